@@ -1,0 +1,47 @@
+// Precomputed radiance maps (Szécsi, Szirmay-Kalos: "On Making Light Maps Dynamic"), as data: what the bake makes and the container holds.
+//
+// Direct irradiance at clusters of entry points, times a transport matrix, is indirect irradiance at the texels:
+//   irradiance(texel) = Σ_cluster transport(texel, cluster) * irradiance(cluster)          per colour channel,
+// where irradiance(cluster) is the weighted mean over the cluster's entry points. Albedo at the entry is inside the transport.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "precompute/core/math.h"
+
+namespace lightwell::transport {
+
+/// Entry points sorted by cluster.
+struct PrmEntries {
+  std::vector<Vec3> position;    // internal units, on the surface
+  std::vector<Vec3> normal;      // unit, on the side that is lit
+  std::vector<float> weight;     // within the cluster; each cluster's sum is 1
+  std::vector<uint32_t> cluster_first_entry;  // clusters + 1
+  uint32_t clusterCount() const { return uint32_t(cluster_first_entry.size()) - 1; }
+};
+
+/// The paper's form: one pane of irradiance per cluster.
+struct PrmPanes {
+  std::vector<Rgb> irradiance_rgb;  // [cluster][texel], for unit irradiance at the cluster
+};
+
+/// Blocks of texels with their own basis maps: irradiance(texel, channel) = Σ_k basis(texel, k) · Σ_l coefficient(l, k, channel) · irradiance(cluster_l, channel).
+struct PrmLocalBases {
+  std::vector<uint32_t> block_first_texel;  // blocks + 1, into PrmResult::texel
+  std::vector<uint8_t> block_rank;          // blocks
+  std::vector<float> basis;                 // per block: [texel][rank]; |basis| ≤ 1
+  std::vector<uint32_t> block_first_link;   // blocks + 1, into link_cluster
+  std::vector<uint32_t> link_cluster;       // ascending within a block
+  std::vector<float> coefficient;           // per block: [link][rank][3]
+};
+
+struct PrmResult {
+  PrmEntries entries;
+  std::vector<uint32_t> texel;  // atlas texel of each value; for local bases grouped by block
+  PrmPanes panes;               // empty unless this is the layout
+  PrmLocalBases bases;          // empty unless this is the layout
+  std::vector<Rgb> emitter_direct_rgb, emitter_indirect_rgb;  // per texel; empty without emitters
+};
+
+}  // namespace lightwell::transport

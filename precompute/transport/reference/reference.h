@@ -1,0 +1,38 @@
+// The truth that everything else is measured with: unbiased path-traced irradiance per texel.
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "precompute/atlas/atlas.h"
+#include "precompute/trace/tracer.h"
+
+namespace lightwell::transport {
+
+enum class Component { direct, indirect, total };
+
+struct ReferenceOptions {
+  uint32_t samples = 256;  // per texel
+  uint64_t seed = 1;
+  int threads = 0;
+  const CancelFlag* cancel = nullptr;
+  std::function<void(double fraction)> progress;  // may be empty; called from any thread
+};
+
+/// Irradiance per slot and its standard error (of the mean; per channel), both in the order of Atlas::slots.
+struct IrradianceMap {
+  std::vector<Rgb> irradiance_rgb, standard_error_rgb;
+};
+
+/// Path tracing from points spread over each texel's surface: next-event estimation to punctual lights and to emissive triangles (chosen by
+/// power, MIS with the balance heuristic against cosine sampling), Russian roulette by throughput, no clamping: unbiased.
+/// Direct: straight from a light or emitter. Indirect: after at least one reflection.
+/// Irradiance is about the interpolated normal; light from below the geometric surface is not received.
+IrradianceMap referenceIrradiance(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer,
+                                  const std::vector<scene::Light>& lights, Component component, const ReferenceOptions& options);
+
+/// One contiguous range [first_slot, end_slot) of the same computation; the whole map is the concatenation of its ranges, bit for bit.
+IrradianceMap referenceIrradianceRange(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer,
+                                       const std::vector<scene::Light>& lights, Component component, const ReferenceOptions& options,
+                                       size_t first_slot, size_t end_slot);
+
+}  // namespace lightwell::transport
