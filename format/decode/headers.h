@@ -1,0 +1,46 @@
+// The header messages of the known sections as plain structs, for readers that have no protobuf library. Field meanings: container.proto.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace lightwell::format {
+
+struct AtlasHeader {
+  uint32_t width = 0, height = 0, covered_texels = 0, charts = 0;
+  bool unwrapped = false;
+};
+
+enum class PrmLayout : uint8_t { unknown = 0, panes = 1, local_bases = 2 };
+
+struct PrmHeader {
+  PrmLayout layout = PrmLayout::unknown;
+  uint32_t entries = 0, clusters = 0, texels = 0;
+  uint32_t blocks = 0, max_rank = 0;  // local bases only
+  uint32_t brightest = 0;             // panes: recommended K, 0: all
+  bool has_emitter = false;
+};
+
+struct SceneHeader {
+  double origin_m[3] = {};
+  float bounds_min_m[3] = {}, bounds_max_m[3] = {};  // relative to the origin
+  uint32_t light_count = 0;
+};
+
+enum class LightType : uint8_t { unknown = 0, point = 1, spot = 2, directional = 3 };
+
+struct Light {
+  LightType type = LightType::unknown;
+  std::string_view name;       // into the message's bytes
+  float position_m[3] = {}, direction[3] = {}, intensity_rgb[3] = {};
+  float inner_cone_angle = 0, outer_cone_angle = 0, range_m = 0;
+};
+
+/// Each parses the decoded bytes of a chunk "header". False when they are not a valid message of that kind (wire format, array lengths).
+/// Values are not judged further; `verify` does that.
+bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header);
+bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header);
+/// `lights` may be null; otherwise it receives the first `light_capacity` lights. SceneHeader::light_count counts all.
+bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity);
+
+}  // namespace lightwell::format

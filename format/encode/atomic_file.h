@@ -1,0 +1,14 @@
+// Files that appear whole or not at all.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace lightwell::format {
+
+/// Replaces `file` by `bytes`: written under no name (or, where the file system cannot, a temporary one in the same folder), synced, then
+/// renamed into place. After a failure or a kill the old file is untouched and, but for an instant around the rename, no temporary is left.
+/// Throws std::runtime_error naming the file and the reason; refuses to replace what is not a regular file.
+void writeFileAtomically(const std::filesystem::path& file, std::span<const uint8_t> bytes);
+
+}  // namespace lightwell::format
