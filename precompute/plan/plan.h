@@ -1,0 +1,35 @@
+// What a bake of this scene contains, and what it leaves out and why.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "precompute/plan/settings.h"
+
+namespace lightwell::plan {
+
+/// What the decision depends on.
+struct SceneFacts {
+  bool has_surfaces = false;   // at least one texel of the atlas is covered
+  bool has_emitters = false;   // some texel emits
+  bool has_reflection = false; // some texel's albedo is not black
+};
+
+struct Omitted {
+  std::string type;    // of a section, or a part of one: "prm.emitter"
+  std::string reason;  // a sentence fragment for people
+};
+
+struct Plan {
+  bool surface_sections = false;  // geometry and atlas
+  bool prm = false;
+  bool prm_emitter = false;       // the constant panes of the scene's own emitters
+  std::vector<Omitted> omitted;
+};
+
+/// Throws UsageError when a technique was named that this version cannot bake.
+void checkTechniques(const Settings& settings);
+
+/// Pure. Throws as checkTechniques.
+Plan makePlan(const SceneFacts& facts, const Settings& settings);
+
+}  // namespace lightwell::plan

@@ -1,0 +1,128 @@
+#include "precompute/plan/settings.h"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace lightwell::plan {
+namespace {
+
+using nlohmann::json;
+
+template <class T, size_t n>
+using Names = std::array<std::pair<T, std::string_view>, n>;
+
+constexpr Names<Technique, 5> kTechniques{{{Technique::prm, "prm"},
+                                           {Technique::lightmap, "lightmap"},
+                                           {Technique::vpl, "vpl"},
+                                           {Technique::radiosity, "radiosity"},
+                                           {Technique::environment, "environment"}}};
+constexpr Names<Quality, 3> kQualities{
+    {{Quality::draft, "draft"}, {Quality::preview, "preview"}, {Quality::production, "production"}}};
+constexpr Names<scene::LightUnits, 3> kLightUnits{
+    {{scene::LightUnits::spec, "spec"}, {scene::LightUnits::unitless, "unitless"}, {scene::LightUnits::raw, "raw"}}};
+
+template <class T, size_t n>
+std::string_view nameIn(const Names<T, n>& names, T value) {
+  return std::find_if(names.begin(), names.end(), [&](const auto& pair) { return pair.first == value; })->second;
+}
+template <class T, size_t n>
+std::optional<T> valueIn(const Names<T, n>& names, std::string_view name) {
+  for (const auto& [value, known] : names)
+    if (known == name) return value;
+  return std::nullopt;
+}
+template <class T, size_t n>
+std::vector<std::string> allNames(const Names<T, n>& names) {
+  std::vector<std::string> result;
+  for (const auto& pair : names) result.emplace_back(pair.second);
+  return result;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string result;
+  for (const auto& word : words) result += (result.empty() ? "" : ", ") + word;
+  return result;
+}
+
+template <class T, size_t n>
+T required(const Names<T, n>& names, const std::string& key, const json& value) {
+  const auto found = value.is_string() ? valueIn(names, value.get<std::string>()) : std::nullopt;
+  if (!found) throw UsageError("settings: \"" + key + "\" must be one of " + joined(allNames(names)));
+  return *found;
+}
+
+}  // namespace
+
+std::string_view name(Technique technique) { return nameIn(kTechniques, technique); }
+std::string_view name(Quality quality) { return nameIn(kQualities, quality); }
+std::string_view name(scene::LightUnits units) { return nameIn(kLightUnits, units); }
+std::optional<Technique> techniqueNamed(std::string_view name) { return valueIn(kTechniques, name); }
+std::optional<Quality> qualityNamed(std::string_view name) { return valueIn(kQualities, name); }
+std::optional<scene::LightUnits> lightUnitsNamed(std::string_view name) { return valueIn(kLightUnits, name); }
+std::vector<std::string> techniqueNames() { return allNames(kTechniques); }
+std::vector<std::string> qualityNames() { return allNames(kQualities); }
+std::vector<std::string> lightUnitsNames() { return allNames(kLightUnits); }
+
+std::vector<Technique> parseTechniques(std::string_view list) {
+  std::vector<Technique> techniques;
+  if (list == "auto") return techniques;
+  for (size_t begin = 0; begin <= list.size();) {
+    const size_t end = std::min(list.find(',', begin), list.size());
+    const std::string_view word = list.substr(begin, end - begin);
+    const auto technique = techniqueNamed(word);
+    if (!technique)
+      throw UsageError("--techniques: \"" + std::string(word) + "\" is none of auto, " + joined(techniqueNames()));
+    if (std::find(techniques.begin(), techniques.end(), *technique) == techniques.end()) techniques.push_back(*technique);
+    begin = end + 1;
+  }
+  std::sort(techniques.begin(), techniques.end());
+  return techniques;
+}
+
+std::string canonicalJson(const Settings& settings) {
+  json techniques = "auto";
+  if (!settings.techniques.empty()) {
+    techniques = json::array();
+    for (const Technique technique : settings.techniques) techniques.push_back(name(technique));
+  }
+  return json{{"techniques", techniques},
+              {"lightmap_size", settings.lightmap_size},
+              {"quality", name(settings.quality)},
+              {"seed", settings.seed},
+              {"light_units", name(settings.light_units)}}
+      .dump();
+}
+
+Settings settingsFromJson(std::string_view text) {
+  const json document = json::parse(text, nullptr, false);
+  if (!document.is_object()) throw UsageError("settings: not a JSON object");
+  Settings settings;
+  for (const auto& [key, value] : document.items()) {
+    if (key == "techniques") {
+      std::string list;
+      if (value.is_array())
+        for (const auto& word : value) list += (list.empty() ? "" : ",") + (word.is_string() ? word.get<std::string>() : word.dump());
+      else if (value.is_string())
+        list = value.get<std::string>();
+      settings.techniques = parseTechniques(list);
+    } else if (key == "lightmap_size") {
+      if (!value.is_number_integer() || value < 1 || value > kMostLightmapSize)
+        throw UsageError("settings: \"lightmap_size\" must be a whole number from 1 to " + std::to_string(kMostLightmapSize));
+      settings.lightmap_size = value.get<int>();
+    } else if (key == "quality") {
+      settings.quality = required(kQualities, key, value);
+    } else if (key == "seed") {
+      if (!value.is_number_unsigned()) throw UsageError("settings: \"seed\" must be a whole number that is not negative");
+      settings.seed = value.get<uint64_t>();
+    } else if (key == "light_units") {
+      settings.light_units = required(kLightUnits, key, value);
+    } else {
+      throw UsageError("settings: unknown key \"" + key + "\"");
+    }
+  }
+  return settings;
+}
+
+}  // namespace lightwell::plan

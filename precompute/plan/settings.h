@@ -1,0 +1,45 @@
+// What a bake is asked for: everything its bytes depend on besides the scene. Threads, caches and output places are not settings.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "precompute/scene/import.h"
+
+namespace lightwell::plan {
+
+enum class Technique { prm, lightmap, vpl, radiosity, environment };
+enum class Quality { draft, preview, production };
+
+inline constexpr int kMostLightmapSize = 8192;
+
+struct Settings {
+  std::vector<Technique> techniques;  // as named, without repetitions; empty: auto, what the scene can use
+  int lightmap_size = 256;            // texels along each side of the atlas, 1 to kMostLightmapSize
+  Quality quality = Quality::production;
+  uint64_t seed = 1;
+  scene::LightUnits light_units = scene::LightUnits::spec;
+};
+
+std::string_view name(Technique technique);
+std::string_view name(Quality quality);
+std::string_view name(scene::LightUnits units);
+std::optional<Technique> techniqueNamed(std::string_view name);
+std::optional<Quality> qualityNamed(std::string_view name);
+std::optional<scene::LightUnits> lightUnitsNamed(std::string_view name);
+/// All names of an option, in order, for messages and help.
+std::vector<std::string> techniqueNames();
+std::vector<std::string> qualityNames();
+std::vector<std::string> lightUnitsNames();
+
+/// "auto" or a comma-separated list, as --techniques takes it. Throws UsageError.
+std::vector<Technique> parseTechniques(std::string_view list);
+
+/// One line of JSON, keys sorted, all keys present: equal settings give equal text.
+std::string canonicalJson(const Settings& settings);
+/// The inverse. Keys that are missing keep their defaults; throws UsageError for unknown keys, wrong types and values out of range.
+Settings settingsFromJson(std::string_view json);
+
+}  // namespace lightwell::plan

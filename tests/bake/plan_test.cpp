@@ -1,0 +1,70 @@
+// The plan follows from the scene: nothing is planned that the scene has no use for, and everything left out is explained.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "precompute/plan/plan.h"
+
+namespace lightwell::plan {
+namespace {
+
+constexpr SceneFacts kRoom{.has_surfaces = true, .has_emitters = true, .has_reflection = true};
+
+bool omits(const Plan& plan, const std::string& type) {
+  return std::any_of(plan.omitted.begin(), plan.omitted.end(), [&](const Omitted& o) { return o.type == type && !o.reason.empty(); });
+}
+
+TEST(Plan, AutoBakesPrmAndExplainsTheRest) {
+  const Plan plan = makePlan(kRoom, {});
+  EXPECT_TRUE(plan.prm && plan.prm_emitter && plan.surface_sections);
+  for (const char* type : {"lightmap", "vpl", "radiosity", "environment"}) EXPECT_TRUE(omits(plan, type)) << type;
+  EXPECT_FALSE(omits(plan, "prm"));
+}
+
+TEST(Plan, NoEmittersNoEmitterPanes) {
+  const Plan plan = makePlan({.has_surfaces = true, .has_emitters = false, .has_reflection = true}, {});
+  EXPECT_TRUE(plan.prm);
+  EXPECT_FALSE(plan.prm_emitter);
+  EXPECT_TRUE(omits(plan, "prm.emitter"));
+}
+
+TEST(Plan, NothingToBakeWithoutSurfacesOrReflection) {
+  const Plan empty = makePlan({}, {});
+  EXPECT_FALSE(empty.prm || empty.surface_sections);
+  for (const char* type : {"prm", "geometry", "atlas"}) EXPECT_TRUE(omits(empty, type)) << type;
+  const Plan black = makePlan({.has_surfaces = true}, {});
+  EXPECT_TRUE(black.surface_sections && omits(black, "prm"));
+}
+
+TEST(Plan, NamedTechniqueWithoutBakerIsAUsageError) {
+  Settings settings;
+  settings.techniques = {Technique::prm, Technique::vpl};
+  EXPECT_THROW(makePlan(kRoom, settings), UsageError);
+}
+
+TEST(Settings, TechniquesParse) {
+  EXPECT_TRUE(parseTechniques("auto").empty());
+  EXPECT_THAT(parseTechniques("vpl,prm,vpl"), testing::ElementsAre(Technique::prm, Technique::vpl));
+  for (const char* bad : {"", "prm,", "auto,prm", "PRM", "prm vpl"}) EXPECT_THROW(parseTechniques(bad), UsageError) << bad;
+}
+
+TEST(Settings, CanonicalJsonRoundTrips) {
+  Settings settings;
+  settings.techniques = {Technique::prm};
+  settings.lightmap_size = 33;
+  settings.quality = Quality::draft;
+  settings.seed = 0xffffffffffffffffull;
+  settings.light_units = scene::LightUnits::raw;
+  const std::string json = canonicalJson(settings);
+  EXPECT_EQ(canonicalJson(settingsFromJson(json)), json);
+  EXPECT_EQ(json, R"({"light_units":"raw","lightmap_size":33,"quality":"draft","seed":18446744073709551615,"techniques":["prm"]})");
+  EXPECT_EQ(canonicalJson(settingsFromJson("{}")), canonicalJson(Settings{}));
+}
+
+TEST(Settings, JsonIsChecked) {
+  for (const char* bad : {"", "[]", "{", R"({"quality":"best"})", R"({"quality":1})", R"({"lightmap_size":0})", R"({"lightmap_size":8193})",
+                          R"({"lightmap_size":1.5})", R"({"seed":-1})", R"({"threads":2})", R"({"techniques":[1]})", R"({"light_units":null})"})
+    EXPECT_THROW(settingsFromJson(bad), UsageError) << bad;
+}
+
+}  // namespace
+}  // namespace lightwell::plan
