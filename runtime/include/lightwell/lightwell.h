@@ -1,0 +1,318 @@
+/* Lightwell runtime: reads a container (.lwc) and evaluates its light transport on the CPU. lightwell_gl.h does the same on OpenGL.
+ *
+ *   lw_container *container;                                  open: header and directory are read and checked
+ *   lw_open_file("room.lwc", NULL, &container);
+ *   lw_get_atlas_info(container, &atlas);                      query: sizes, no decoding
+ *   lw_decode_array(container, LW_ARRAY_INDEX, index, bytes);  decode: into memory of the caller
+ *   lw_prm_load(container, &prm);                              decode the transport
+ *   lw_prm_entry_irradiance(prm, lights, 1, NULL, NULL, e);    evaluate, every frame: light at the entry points,
+ *   lw_prm_cluster_irradiance(prm, e, c);                        its averages over clusters,
+ *   lw_prm_evaluate(prm, c, NULL, scratch, size, rgba);          and from them the indirect light of every texel
+ *   lw_prm_release(prm);                                       close, in any order
+ *   lw_close(container);
+ *
+ * Conventions. Right-handed, +Y up, metres, relative to lw_scene_info.origin_m. Linear Rec. 709 RGB. Light units are glTF's: a point or
+ * spot light has candela (1 cd gives 1 lux at 1 m), a directional light lux. Values at texels and entry points are irradiance E, not
+ * multiplied by albedo and not divided by pi; a diffuse surface shows the radiance albedo / pi * E. A light's direction is the way
+ * the light travels. Texel (x, y) has index y * width + x; row 0 is at v = 0, and its centre at u = (x + 0.5) / width. Matrices are
+ * column-major.
+ *
+ * Memory. Nothing is allocated except by the functions that open or load, and temporarily by those that decode; all of it through
+ * lw_config.allocate. Callers' arrays need the alignment of their elements.
+ *
+ * Threads. A handle never changes after it was made: any number of threads may use it at once, with results of their own. Releasing it is
+ * the last use. There is no global state.
+ *
+ * Hostile input. Containers may hold any bytes. The answer is an lw_result; never a crash, a hang, or memory beyond lw_config's limits.
+ *
+ * Results. Every function that can fail returns lw_result, and tells the message callback why. Results leave through the last
+ * parameters, which are untouched on failure (arrays: unspecified). A NULL handle or out-parameter is LW_INVALID_ARGUMENT. Release and
+ * close functions accept NULL.
+ */
+#ifndef LIGHTWELL_LIGHTWELL_H
+#define LIGHTWELL_LIGHTWELL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "lightwell/version.h"
+
+#if defined(LIGHTWELL_STATIC)
+#define LW_API
+#elif defined(_WIN32)
+#ifdef LIGHTWELL_BUILDING
+#define LW_API __declspec(dllexport)
+#else
+#define LW_API __declspec(dllimport)
+#endif
+#else
+#define LW_API __attribute__((visibility("default")))
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Results ---------------------------------------------------------------------------------------------------------------------- */
+
+/* One of the LW_… values below. Zero is success; values are never reused. */
+typedef int32_t lw_result;
+enum {
+  LW_OK = 0,
+  LW_IO_ERROR = 10,         /* the file or the caller's reader failed */
+  LW_TRUNCATED = 20,        /* shorter than the header says */
+  LW_BAD_MAGIC = 21,        /* not a container */
+  LW_TOO_NEW = 22,          /* needs a later version of the library */
+  LW_BAD_HEADER = 23,
+  LW_BAD_CHECKSUM = 24,
+  LW_BAD_DIRECTORY = 25,
+  LW_BAD_CHUNK = 26,        /* does not decode to the size its shape gives */
+  LW_BAD_SECTION = 27,      /* a chunk is missing, or its values are out of range */
+  LW_TRAILING_BYTES = 28,
+  LW_LIMIT_EXCEEDED = 30,   /* larger than lw_config or the GL implementation allows */
+  LW_OUT_OF_MEMORY = 31,
+  LW_NOT_FOUND = 40,        /* the container has no such section, array or item */
+  LW_INVALID_ARGUMENT = 41, /* NULL, wrong size, a number that is not finite or out of its range */
+  LW_GL_UNSUPPORTED = 50,   /* the context lacks a function, extension or format that is needed */
+  LW_GL_FAILED = 51         /* a shader did not compile, a framebuffer is incomplete, or GL reported an error */
+};
+
+/* The name of a result, "LW_BAD_CHUNK"; "LW_UNKNOWN" for other values. Static storage. */
+LW_API const char *lw_result_name(lw_result result);
+
+/* The version of the library that runs: major * 10000 + minor * 100 + patch, as LW_VERSION is for this header. */
+LW_API uint32_t lw_version(void);
+
+/* ---- Opening ---------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct lw_container lw_container;
+
+/* How handles get memory, report failures and limit what a file may ask for. Start from LW_CONFIG_INIT. */
+typedef struct lw_config {
+  size_t size;                                      /* sizeof(lw_config), set by LW_CONFIG_INIT */
+  void *(*allocate)(void *user, size_t bytes);      /* 16-byte aligned memory or NULL; NULL with release: malloc and free */
+  void (*release)(void *user, void *memory);
+  void *allocator_user;
+  /* Called on the failing thread before the failing call returns; `text` lives during the call. NULL: silent. */
+  void (*message)(void *user, lw_result result, const char *text);
+  void *message_user;
+  uint64_t max_file_bytes;                          /* 0: 1 TiB */
+  uint64_t max_decoded_bytes;                       /* over all chunks of the file together; 0: 2 GiB */
+} lw_config;
+#define LW_CONFIG_INIT {sizeof(lw_config), NULL, NULL, NULL, NULL, NULL, 0, 0}
+
+/* Where a container is read from when it is neither memory nor a plain file. */
+typedef struct lw_reader {
+  /* Fills destination with bytes [offset, offset + bytes) and returns 0, or returns something else. Never asked beyond file_bytes. Must
+     be callable from every thread that decodes. */
+  int (*read)(void *user, uint64_t offset, void *destination, size_t bytes);
+  void *user;
+  uint64_t file_bytes;
+} lw_reader;
+
+/* Opens a container: reads and checks header and directory, decodes nothing else.
+ * Fails with LW_IO_ERROR to LW_INVALID_ARGUMENT except LW_BAD_SECTION, LW_NOT_FOUND. The bytes may be hostile.
+ *
+ * config: copied; its callbacks must stay callable until the container and everything loaded from it is released. NULL: LW_CONFIG_INIT.
+ * container: receives a handle, to be closed with lw_close.
+ *
+ * lw_open_memory reads in place: `data` must stay unchanged until lw_close. lw_open_file keeps the file (UTF-8 path) open.
+ * lw_open_reader copies `reader`. */
+LW_API lw_result lw_open_memory(const void *data, size_t bytes, const lw_config *config, lw_container **container);
+LW_API lw_result lw_open_file(const char *path, const lw_config *config, lw_container **container);
+LW_API lw_result lw_open_reader(const lw_reader *reader, const lw_config *config, lw_container **container);
+
+/* Closes a container. What was loaded from it (lw_prm) stays valid. */
+LW_API void lw_close(lw_container *container);
+
+/* 1 when the container has this section ("scene", "geometry", "atlas", "prm") in a version that this library knows, else 0. */
+LW_API int lw_has_section(const lw_container *container, const char *section);
+
+/* ---- Scene ------------------------------------------------------------------------------------------------------------------------ */
+
+typedef struct lw_scene_info {
+  double origin_m[3];      /* add it to a position of the container for glTF world coordinates */
+  float bounds_min_m[3];   /* of the surfaces, relative to the origin; min > max when there are none */
+  float bounds_max_m[3];
+  uint32_t light_count;    /* punctual lights of the scene itself */
+} lw_scene_info;
+
+/* Fails as lw_decode_array does. */
+LW_API lw_result lw_get_scene_info(const lw_container *container, lw_scene_info *info);
+
+enum { LW_LIGHT_POINT = 1, LW_LIGHT_SPOT = 2, LW_LIGHT_DIRECTIONAL = 3 };
+
+/* A punctual light with the physics of KHR_lights_punctual. */
+typedef struct lw_light {
+  uint32_t type;                /* LW_LIGHT_… */
+  float position_m[3];          /* point, spot; relative to the container's origin */
+  float direction[3];           /* spot, directional; the way the light travels; any length but zero */
+  float intensity_rgb[3];       /* ≥ 0; candela (point, spot) or lux (directional) */
+  float inner_cone_angle_rad;   /* spot; 0 ≤ inner < outer ≤ pi/2 */
+  float outer_cone_angle_rad;
+  float range_m;                /* point, spot: where the light ends smoothly; 0: infinite */
+} lw_light;
+
+/* The scene's own light number `index` < light_count; LW_NOT_FOUND beyond. Else fails as lw_decode_array does. */
+LW_API lw_result lw_get_light(const lw_container *container, uint32_t index, lw_light *light);
+
+/* ---- Atlas and geometry ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct lw_atlas_info {
+  uint32_t width, height;      /* texels */
+  uint32_t covered_texels;
+  uint32_t charts;
+  uint32_t unwrapped;          /* 1: the light-map coordinates were made by the bake; 0: they are the asset's own */
+} lw_atlas_info;
+
+/* Fails as lw_decode_array does. */
+LW_API lw_result lw_get_atlas_info(const lw_container *container, lw_atlas_info *info);
+
+/* Arrays that a container may hold, and what lw_decode_array makes of them. v: vertices, t: triangles, h, w: atlas height, width. */
+typedef enum lw_array {
+  LW_ARRAY_POSITION = 1,       /* float[v][3]   metres relative to the origin */
+  LW_ARRAY_NORMAL = 2,         /* float[v][3]   unit shading normals */
+  LW_ARRAY_LIGHTMAP_UV = 3,    /* float[v][2]   in [0, 1] */
+  LW_ARRAY_INDEX = 4,          /* uint32[t][3]  < v; counter-clockwise from the front */
+  LW_ARRAY_TRIANGLE_FLAGS = 5, /* uint8[t]      LW_TRIANGLE_… */
+  LW_ARRAY_ALPHA_UV = 6,       /* float[v][2]   texture coordinates of the alpha textures; only if some triangle has alpha */
+  LW_ARRAY_TRIANGLE_ALPHA = 7, /* uint16[t]     index for lw_get_alpha_material, or 0xffff: opaque; only if some triangle has alpha */
+  LW_ARRAY_ATLAS_SOURCE = 16,  /* uint32[h][w]  the texel whose value a texel shows (gutters show a neighbour's), 0xffffffff: none */
+  LW_ARRAY_ATLAS_COVERAGE = 17,/* uint8[h][w]   1 where the surface covers the texel */
+  LW_ARRAY_ATLAS_ALBEDO = 18,  /* uint8[h][w][3] sRGB-encoded diffuse albedo; gutters filled */
+  LW_ARRAY_ATLAS_EMISSION = 19 /* float[h][w][3] emitted radiance; only if something emits */
+} lw_array;
+enum { LW_TRIANGLE_DOUBLE_SIDED = 1, LW_TRIANGLE_CUT_OUT = 2, LW_TRIANGLE_BLEND = 4 };
+
+typedef struct lw_array_info {
+  uint64_t elements;          /* v, t or h * w */
+  uint32_t components;        /* numbers per element */
+  uint32_t component_bytes;   /* 1, 2 or 4 */
+  size_t bytes;               /* their product: what lw_decode_array fills */
+} lw_array_info;
+
+/* Sizes of an array, without decoding. LW_NOT_FOUND when the container has none; LW_BAD_SECTION when its type or shape is not the
+ * format's. */
+LW_API lw_result lw_get_array_info(const lw_container *container, lw_array array, lw_array_info *info);
+
+/* Decodes an array and checks its values (finite, indices in range).
+ * Fails with LW_NOT_FOUND, LW_BAD_SECTION, LW_BAD_CHECKSUM, LW_BAD_CHUNK, LW_TRAILING_BYTES, LW_TOO_NEW, LW_IO_ERROR, LW_OUT_OF_MEMORY or
+ * LW_INVALID_ARGUMENT.
+ *
+ * destination: `bytes` bytes, exactly lw_array_info.bytes. */
+LW_API lw_result lw_decode_array(const lw_container *container, lw_array array, void *destination, size_t bytes);
+
+enum { LW_ALPHA_MASK = 1, LW_ALPHA_BLEND = 2 };
+enum { LW_WRAP_REPEAT = 0, LW_WRAP_CLAMP = 1, LW_WRAP_MIRROR = 2 };
+
+/* How a triangle with alpha lets light through. alpha = factor * texture(alpha_uv); cut-outs are opaque where alpha ≥ cutoff. */
+typedef struct lw_alpha_material {
+  uint32_t mode;             /* LW_ALPHA_… */
+  float cutoff;              /* LW_ALPHA_MASK */
+  float factor;
+  int32_t texture;           /* for lw_decode_alpha_texture; −1: none */
+  uint32_t wrap_u, wrap_v;   /* LW_WRAP_… */
+  uint32_t texture_width, texture_height; /* 0 without a texture */
+} lw_alpha_material;
+
+/* LW_NOT_FOUND for an index beyond the last. Else fails as lw_decode_array does. */
+LW_API lw_result lw_get_alpha_material(const lw_container *container, uint32_t index, lw_alpha_material *material);
+
+/* Decodes uint8[height][width] of linear alpha, 255 = 1. `bytes` must be width * height. Fails as lw_decode_array does. */
+LW_API lw_result lw_decode_alpha_texture(const lw_container *container, uint32_t texture, void *destination, size_t bytes);
+
+/* ---- Precomputed radiance maps ---------------------------------------------------------------------------------------------------- */
+
+/* Light transport of a static scene (Szécsi, Szirmay-Kalos: "On Making Light Maps Dynamic"): irradiance at clusters of entry points, times
+ * a matrix, is indirect irradiance at the texels of the atlas. */
+typedef struct lw_prm lw_prm;
+
+enum { LW_PRM_PANES = 1, LW_PRM_LOCAL_BASES = 2 };
+
+typedef struct lw_prm_info {
+  uint32_t layout;         /* LW_PRM_… */
+  uint32_t entries;
+  uint32_t clusters;
+  uint32_t texels;         /* with a value */
+  uint32_t blocks;         /* local bases, else 0 */
+  uint32_t max_rank;       /* local bases, else 0 */
+  uint32_t brightest;      /* panes: the number of clusters that the bake recommends; 0: all */
+  uint32_t has_emitter;    /* 1: emitting surfaces add a constant irradiance */
+  uint32_t width, height;  /* of the atlas */
+} lw_prm_info;
+
+/* Decodes and checks the transport and the atlas's source map. Memory: about the decoded size of the section "prm" plus 8 bytes per atlas
+ * texel. Fails as lw_decode_array does, and with LW_LIMIT_EXCEEDED.
+ *
+ * prm: receives a handle, to be released with lw_prm_release. */
+LW_API lw_result lw_prm_load(const lw_container *container, lw_prm **prm);
+LW_API void lw_prm_release(lw_prm *prm);
+
+LW_API lw_result lw_prm_get_info(const lw_prm *prm, lw_prm_info *info);
+
+/* The entry points, sorted by cluster. Arrays live as long as the lw_prm. */
+typedef struct lw_prm_entries {
+  const float *position_m;              /* [entries][3], on the surface */
+  const float *normal;                  /* [entries][3], unit, on the lit side */
+  const float *weight;                  /* [entries], sum 1 in each cluster */
+  const uint32_t *cluster_first_entry;  /* [clusters + 1] */
+} lw_prm_entries;
+LW_API lw_result lw_prm_get_entries(const lw_prm *prm, lw_prm_entries *entries);
+
+/* A question for the caller's ray tracer: how much of the light arrives at an entry point? */
+typedef struct lw_shadow_ray {
+  float origin_m[3];      /* the entry point, on the surface: start a little off it */
+  float normal[3];        /* unit, the surface's side that is lit */
+  float direction[3];     /* unit, toward the light */
+  float distance_m;       /* to the light; INFINITY for a directional light */
+  uint32_t entry;
+} lw_shadow_ray;
+
+/* Fills visibility[count]: 1 where the light arrives, 0 where it is blocked, between for partly transparent things. At most 256 rays, all
+ * of one light, in the order of the entry points. */
+typedef void (*lw_visibility_fn)(void *user, const lw_shadow_ray *rays, uint32_t count, float *visibility);
+
+/* Irradiance of the lights at the entry points, about their normals; light from behind the surface is not received.
+ * LW_INVALID_ARGUMENT names the light whose values are out of range.
+ *
+ * lights: `light_count` of them (0: all results are zero); positions relative to the container's origin.
+ * visibility: asked for every entry point that a light could reach; NULL: nothing is in the way. user: handed to it.
+ * entry_irradiance_rgb: [entries][3]. */
+LW_API lw_result lw_prm_entry_irradiance(const lw_prm *prm, const lw_light *lights, uint32_t light_count, lw_visibility_fn visibility,
+                                         void *user, float *entry_irradiance_rgb);
+
+/* Weighted means over the clusters.
+ *
+ * entry_irradiance_rgb: [entries][3]. cluster_irradiance_rgb: [clusters][3]. */
+LW_API lw_result lw_prm_cluster_irradiance(const lw_prm *prm, const float *entry_irradiance_rgb, float *cluster_irradiance_rgb);
+
+/* What emitting surfaces add (lw_prm_options.emitters): bits. */
+enum { LW_EMITTERS_OFF = 0, LW_EMITTERS_DIRECT = 1, LW_EMITTERS_INDIRECT = 2 };
+
+typedef struct lw_prm_options {
+  size_t size;               /* sizeof(lw_prm_options), set by LW_PRM_OPTIONS_INIT */
+  uint32_t brightest;        /* panes: use only the K clusters that contribute most light; 0: all. Local bases always use all */
+  uint32_t keep_energy;      /* 1: scale what the K give, per channel, so that the atlas's total is that of all; 0: drop the rest */
+  uint32_t emitters;         /* LW_EMITTERS_… bits; nothing happens when the container has no emitter maps */
+} lw_prm_options;
+#define LW_PRM_OPTIONS_INIT {sizeof(lw_prm_options), 0, 1, LW_EMITTERS_INDIRECT}
+
+/* Bytes of scratch memory that lw_prm_evaluate needs; 0 for a NULL prm. */
+LW_API size_t lw_prm_scratch_bytes(const lw_prm *prm);
+
+/* Indirect irradiance of every texel: sums the transport of the clusters. Values are finite and ≥ 0.
+ *
+ * A cluster contributes luminance(irradiance * sum of its pane over the texels); equal ones are ranked by index.
+ *
+ * cluster_irradiance_rgb: [clusters][3], finite and ≥ 0, else LW_INVALID_ARGUMENT.
+ * options: NULL for LW_PRM_OPTIONS_INIT.
+ * scratch: lw_prm_scratch_bytes bytes, 4-byte aligned, one per call at a time.
+ * atlas_rgba: [height][width][4]; irradiance, and alpha 1 where a texel has a value. Gutters show their source's value, so that bilinear
+ *   lookup is safe everywhere on the surface; other texels are zero. */
+LW_API lw_result lw_prm_evaluate(const lw_prm *prm, const float *cluster_irradiance_rgb, const lw_prm_options *options, void *scratch,
+                                 size_t scratch_bytes, float *atlas_rgba);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

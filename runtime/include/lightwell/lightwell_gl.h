@@ -1,0 +1,190 @@
+/* Lightwell on OpenGL: the transport of an lw_prm evaluated in fragment shaders, every frame, without a read-back.
+ *
+ *   lw_gl *gl;
+ *   lw_gl_config config = LW_GL_CONFIG_INIT;
+ *   config.loader = load;                               e.g. a wrapper of eglGetProcAddress, glfwGetProcAddress, SDL_GL_GetProcAddress
+ *   lw_gl_create(&config, &gl);                         compiles the shaders
+ *   lw_gl_prm_create(gl, prm, NULL, &gl_prm);           uploads the transport; the lw_prm may then be released
+ *   lw_gl_update_entries(gl_prm, lights, 2);            every frame: light at the entry points, with the game's shadow maps,
+ *   lw_gl_evaluate(gl_prm, NULL);                         and the indirect irradiance of every texel
+ *   glBindTexture(GL_TEXTURE_2D, lw_gl_prm_atlas_texture(gl_prm));   RGBA, linear filter, ready for lookup in the game's shaders
+ *   lw_gl_prm_destroy(gl_prm);
+ *   lw_gl_destroy(gl);
+ *
+ * Contexts. OpenGL 3.3 core or later, or OpenGL ES 3.0 or later with EXT_color_buffer_float. Every function must be called on the thread of
+ * the context in which lw_gl_create was called (framebuffers are not shared between contexts). The textures may be used in contexts of
+ * its share group. Conditional rendering and transform feedback must not be active.
+ *
+ * State. Each function leaves the GL state as it found it. It uses, and restores: the program, vertex array, draw and read framebuffer
+ * bindings; viewport; active texture unit; on units 0 to 5 the bindings of GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY, GL_TEXTURE_CUBE_MAP and
+ * the sampler; GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD, the colour mask (of draw buffers 0 to 3 where the context
+ * has them one by one); pixel pack and unpack buffer bindings and storage modes; on desktop GL also GL_COLOR_LOGIC_OP, the polygon mode
+ * and clip distances 0 to 7. Viewports beyond the first are not preserved. Functions that create, upload or read clear GL's error flag; the two of every frame never
+ * ask for it. A count of samples or primitives that is running counts ours.
+ *
+ * Coordinates are the container's: metres relative to lw_scene_info.origin_m.
+ */
+#ifndef LIGHTWELL_LIGHTWELL_GL_H
+#define LIGHTWELL_LIGHTWELL_GL_H
+
+#include "lightwell/lightwell.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Programs --------------------------------------------------------------------------------------------------------------------- */
+
+/* The shaders and functions of one context. */
+typedef struct lw_gl lw_gl;
+
+typedef void (*lw_gl_proc)(void);
+
+typedef struct lw_gl_config {
+  size_t size;                                          /* sizeof(lw_gl_config), set by LW_GL_CONFIG_INIT */
+  lw_gl_proc (*loader)(void *user, const char *name);   /* "glDrawArrays" → its address; NULL when there is none. Must be given */
+  void *loader_user;
+  void *(*allocate)(void *user, size_t bytes);          /* as in lw_config */
+  void (*release)(void *user, void *memory);
+  void *allocator_user;
+  void (*message)(void *user, lw_result result, const char *text);
+  void *message_user;
+} lw_gl_config;
+#define LW_GL_CONFIG_INIT {sizeof(lw_gl_config), NULL, NULL, NULL, NULL, NULL, NULL, NULL}
+
+/* Loads functions and compiles shaders in the current context.
+ * Fails with LW_GL_UNSUPPORTED, LW_GL_FAILED (the message holds the compiler's log), LW_OUT_OF_MEMORY or LW_INVALID_ARGUMENT.
+ *
+ * gl: receives a handle; lw_gl_destroy it in the same context, after what was made with it. */
+LW_API lw_result lw_gl_create(const lw_gl_config *config, lw_gl **gl);
+LW_API void lw_gl_destroy(lw_gl *gl);
+
+/* ---- Precomputed radiance maps ---------------------------------------------------------------------------------------------------- */
+
+/* One transport on the GPU, and the textures that it is evaluated into. */
+typedef struct lw_gl_prm lw_gl_prm;
+
+enum { LW_GL_ATLAS_RGBA16F = 0, LW_GL_ATLAS_RGBA32F = 1 };
+
+typedef struct lw_gl_prm_options {
+  size_t size;              /* sizeof(lw_gl_prm_options), set by LW_GL_PRM_OPTIONS_INIT */
+  uint32_t atlas_format;    /* LW_GL_ATLAS_…; RGBA16F ends at 65504 lux; to filter RGBA32F on ES needs OES_texture_float_linear */
+  uint32_t atlas_texture;   /* 0: own texture. Else a GL_TEXTURE_2D of the caller of that format, width × height or larger */
+} lw_gl_prm_options;
+#define LW_GL_PRM_OPTIONS_INIT {sizeof(lw_gl_prm_options), LW_GL_ATLAS_RGBA16F, 0}
+
+/* Uploads a transport. `prm` is not used afterwards. Waits for the GPU only as texture uploads do.
+ * Fails with LW_LIMIT_EXCEEDED (texture sizes), LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT.
+ *
+ * options: NULL for LW_GL_PRM_OPTIONS_INIT. */
+LW_API lw_result lw_gl_prm_create(lw_gl *gl, const lw_prm *prm, const lw_gl_prm_options *options, lw_gl_prm **gl_prm);
+LW_API void lw_gl_prm_destroy(lw_gl_prm *gl_prm);
+
+/* GL name of the atlas texture: GL_TEXTURE_2D, width × height, irradiance in RGB and 1 in A where a texel has a value; linear filter,
+ * clamped to the edge. All zero before the first lw_gl_evaluate (unless it is the caller's). 0 for NULL. */
+LW_API uint32_t lw_gl_prm_atlas_texture(const lw_gl_prm *gl_prm);
+
+/* Bytes of texture memory that were asked for. */
+LW_API uint64_t lw_gl_prm_texture_bytes(const lw_gl_prm *gl_prm);
+
+/* ---- Light at the entry points ---------------------------------------------------------------------------------------------------- */
+
+enum {
+  LW_GL_SHADOW_NONE = 0,       /* nothing is in the way */
+  LW_GL_SHADOW_2D = 1,         /* depth map, GL_TEXTURE_2D: spot and directional lights */
+  LW_GL_SHADOW_CUBE = 2,       /* depth map, GL_TEXTURE_CUBE_MAP: point lights */
+  LW_GL_SHADOW_VISIBILITY = 3  /* one number per entry point: lw_gl_create_visibility */
+};
+
+/* A light and how its shadow is known. Start from LW_GL_LIGHT_INIT.
+ *
+ * Shadow maps are the caller's textures of a depth format, one level. Their own compare mode, filter and wrap are ignored: a sampler object
+ * is used (comparison, linear filter, clamped). A point is lit where its depth minus the bias is at most the stored one.
+ *
+ * LW_GL_SHADOW_2D: a point p (moved by the normal offset) has the clip coordinates q = shadow_matrix * (p, 1), texture coordinates
+ *   q.xy / q.w * 0.5 + 0.5 and depth q.z / q.w * 0.5 + 0.5: the plain OpenGL projection with glDepthRange(0, 1). Points outside of the
+ *   map (any of the three outside [0, 1], or q.w ≤ 0) are lit. With reversed_depth: depth q.z / q.w as it is (glClipControl zero to one,
+ *   1 at the near plane), and a point is lit where its depth plus the bias is at least the stored one.
+ * LW_GL_SHADOW_CUBE: six faces rendered from position_m with a 90° projection in GL's face order and orientation,
+ *   near and far plane as given. The depth of a point is that of z = max(|x|, |y|, |z|) of its offset from the light:
+ *   (far / (far − near)) * (1 − near / z), the plain projection again, or with reversed_depth one minus that. Points beyond the far
+ *   plane are lit.
+ * LW_GL_SHADOW_VISIBILITY: the texture that lw_gl_create_visibility made for this lw_gl_prm. */
+typedef struct lw_gl_light {
+  lw_light light;
+  uint32_t shadow;            /* LW_GL_SHADOW_… */
+  uint32_t shadow_texture;    /* GL name; 0 only with LW_GL_SHADOW_NONE */
+  float shadow_matrix[16];    /* LW_GL_SHADOW_2D: container coordinates to clip coordinates, column-major */
+  float near_m, far_m;        /* LW_GL_SHADOW_CUBE: 0 < near < far */
+  uint32_t reversed_depth;    /* 0 or 1 */
+  float depth_bias;           /* in units of stored depth; 0.0005 suits most maps */
+  float normal_offset_m;      /* moves the entry point along its normal before the lookup; about one shadow texel's size */
+} lw_gl_light;
+#define LW_GL_LIGHT_INIT \
+  {{LW_LIGHT_POINT, {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 0, 0.785398163f, 0}, LW_GL_SHADOW_NONE, 0, \
+   {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, 0.05f, 100.0f, 0, 0.0005f, 0.0f}
+
+/* Irradiance at the entry points, the sum of all `count` lights, and its averages over the clusters; replaces what was there. One draw
+ * per shadowed light, one per 16 others, one for the averages.
+ * LW_INVALID_ARGUMENT names the light whose values are out of range; nothing is drawn then. */
+LW_API lw_result lw_gl_update_entries(lw_gl_prm *gl_prm, const lw_gl_light *lights, uint32_t count);
+
+/* A texture of visibilities for LW_GL_SHADOW_VISIBILITY, filled with 1; glDeleteTextures it, or lw_gl_destroy_visibility. */
+LW_API lw_result lw_gl_create_visibility(lw_gl_prm *gl_prm, uint32_t *texture);
+LW_API void lw_gl_destroy_visibility(lw_gl_prm *gl_prm, uint32_t texture);
+/* visibility: [entries], 0 to 1 (lw_shadow_ray's order of entry points). */
+LW_API lw_result lw_gl_upload_visibility(lw_gl_prm *gl_prm, uint32_t texture, const float *visibility);
+
+/* Instead of lw_gl_update_entries: cluster averages from the CPU (lw_prm_cluster_irradiance), [clusters][3], finite and ≥ 0. */
+LW_API lw_result lw_gl_upload_cluster_irradiance(lw_gl_prm *gl_prm, const float *cluster_irradiance_rgb);
+
+/* ---- Indirect light of the atlas -------------------------------------------------------------------------------------------------- */
+
+/* lw_prm_evaluate on the GPU, from the cluster averages of the last update, into the atlas texture. The brightest clusters are ranked on
+ * the GPU.
+ *
+ * options: as lw_prm_evaluate's; NULL for LW_PRM_OPTIONS_INIT. */
+LW_API lw_result lw_gl_evaluate(lw_gl_prm *gl_prm, const lw_prm_options *options);
+
+/* Local bases: only the coefficients of the blocks, for a game that reconstructs in its own shader (LW_GLSL_LOCAL_BASES) and needs no
+ * atlas texture.
+ * LW_INVALID_ARGUMENT for panes. Emitters are not part of it. */
+LW_API lw_result lw_gl_update_coefficients(lw_gl_prm *gl_prm);
+
+/* ---- Reading back: for tools and tests; waits for the GPU ------------------------------------------------------------------------- */
+
+LW_API lw_result lw_gl_read_entries(lw_gl_prm *gl_prm, float *entry_irradiance_rgb);      /* [entries][3] */
+LW_API lw_result lw_gl_read_clusters(lw_gl_prm *gl_prm, float *cluster_irradiance_rgb);   /* [clusters][3] */
+LW_API lw_result lw_gl_read_atlas(lw_gl_prm *gl_prm, float *atlas_rgba);                  /* [height][width][4] */
+
+/* ---- For the game's own shaders --------------------------------------------------------------------------------------------------- */
+
+typedef enum lw_glsl {
+  /* vec3 lwAtlasIrradiance(sampler2D atlas, vec2 lightmap_uv): irradiance, safe beside texels without a value.
+     vec3 lwDiffuseRadiance(vec3 albedo, vec3 irradiance): albedo / pi * E. */
+  LW_GLSL_ATLAS = 1,
+  /* struct LwLight, and vec3 lwLightIrradiance(LwLight light, vec3 position, vec3 normal): the physics of lw_light. LwLight is
+     {vec4 position_range, direction_type, intensity; vec2 spot_scale_offset}; lw_gl_pack_light fills it. */
+  LW_GLSL_LIGHT = 2,
+  /* vec3 lwLocalBasesIrradiance(vec2 lightmap_uv): bilinear reconstruction from four texels, without an atlas texture.
+     Its uniforms are set by lw_gl_bind_local_bases. */
+  LW_GLSL_LOCAL_BASES = 3
+} lw_glsl;
+
+/* GLSL source without a #version line, good for `#version 330 core` and `#version 300 es` alike; put it after your precision statements.
+ * Static storage; NULL for other values. */
+LW_API const char *lw_glsl_source(lw_glsl snippet);
+
+/* The 16 numbers of an LwLight: position_range[4], direction_type[4], intensity[4] (the last is not used), spot_scale_offset[2], two not
+ * used. */
+LW_API lw_result lw_gl_pack_light(const lw_light *light, float packed[16]);
+
+/* Binds three textures to the units first_unit to first_unit + 2 and sets the uniforms of LW_GLSL_LOCAL_BASES in `program`. These
+ * bindings (and the sampler objects of these units, unbound) stay; the rest of the state is restored. LW_INVALID_ARGUMENT for panes,
+ * LW_NOT_FOUND when the program does not use the snippet. */
+LW_API lw_result lw_gl_bind_local_bases(lw_gl_prm *gl_prm, uint32_t program, uint32_t first_unit);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
