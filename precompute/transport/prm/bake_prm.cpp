@@ -1,0 +1,305 @@
+#include "precompute/transport/prm/bake_prm.h"
+
+#include <algorithm>
+
+#include "precompute/core/random.h"
+#include "precompute/transport/prm/entry_irradiance.h"
+#include "precompute/transport/prm/panes.h"
+#include "precompute/transport/reference/reference.h"
+
+namespace lightwell::transport {
+namespace {
+
+// Normals within one block of texels span at most this chord along each axis; blocks may bend further than entry clusters.
+constexpr float kBlockNormalExtent = 1.0f;
+constexpr uint64_t kTrainingSeed = 0x7ea1717e5ull;  // apart from the seeds that errors are measured with
+
+void writeMatrix(ByteWriter& writer, const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& matrix) {
+  writer.array(std::span<const float>(matrix.data(), size_t(matrix.size())));
+}
+
+Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> readMatrix(ByteReader& reader, Eigen::Index rows, Eigen::Index columns) {
+  const auto values = reader.array<float>();
+  if (values.size() != size_t(rows * columns)) throw std::runtime_error("a task result is damaged");
+  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(values.data(), rows, columns);
+}
+
+/// What `solve` hands to `fit`.
+struct Solved {
+  ChannelMatrices multi_bounce;
+  TrainingLights training;
+  EmitterLight emitters;
+};
+
+}  // namespace
+
+struct PrmBaker::Impl {
+  const scene::Scene& scene;
+  const atlas::Atlas& atlas;
+  const trace::Tracer& tracer;
+  PrmSettings settings;
+  Sides sides;
+  EntryClusters clusters;
+  Gatherer gatherer;
+  Partition blocks;                  // of `block_slot`
+  std::vector<uint32_t> block_slot;  // slots of valid texels
+  std::vector<PriorLight> training_lights;
+  bool has_emitters = false;
+
+  Impl(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings)
+      : scene(scene), atlas(atlas), tracer(tracer), settings(settings), sides(surfaceSides(atlas)),
+        clusters(makeEntries(scene.mesh, atlas, sides, settings.entries)), gatherer(scene, atlas, tracer, sides, clusters, settings.seed) {
+    std::vector<SurfaceElement> elements;
+    for (uint32_t slot = 0; slot < atlas.slots.size(); ++slot) {
+      if (atlas.source[atlas.slots[slot].texel] != atlas.slots[slot].texel) continue;
+      block_slot.push_back(slot);
+      elements.push_back({atlas.slots[slot].position, atlas.slots[slot].normal});
+    }
+    const size_t aim = std::max<size_t>(1, elements.size() / std::max(1u, settings.bases.block_texels));
+    blocks = partitionByCount(elements, aim, kBlockNormalExtent, 2 * size_t(settings.bases.block_texels));
+    if (settings.layout == PrmLayoutKind::local_bases)
+      training_lights = samplePriorLights(scene, atlas, tracer, settings.training_lights, combineKeys(settings.seed, kTrainingSeed));
+    has_emitters = std::any_of(atlas.slots.begin(), atlas.slots.end(), [](const auto& slot) { return maxComponent(slot.emitted_radiance_rgb) > 0; });
+  }
+
+  std::vector<uint32_t> slotsOf(uint32_t block) const {
+    std::vector<uint32_t> slots;
+    for (uint32_t i = blocks.first[block]; i < blocks.first[block + 1]; ++i) slots.push_back(block_slot[blocks.order[i]]);
+    std::sort(slots.begin(), slots.end());
+    return slots;
+  }
+
+  std::vector<Rgb> emitterOnClusters(std::span<const Bytes> emitter) const {
+    std::vector<Rgb> side_rgb;
+    for (const auto& part : emitter) {
+      ByteReader reader(part);
+      const auto values = reader.array<Rgb>();
+      side_rgb.insert(side_rgb.end(), values.begin(), values.end());
+    }
+    std::vector<Rgb> result(clusters.cluster_count + clusters.group_count, Rgb(0.0f));
+    for (uint32_t c = 0; c < clusters.cluster_count; ++c) {
+      for (uint32_t i = clusters.cluster_first_side[c]; i < clusters.cluster_first_side[c + 1]; ++i) {
+        const uint32_t side = clusters.cluster_side[i];
+        result[c] += side_rgb[side] * atlas.slots[sides.slot[side]].area;
+      }
+      result[clusters.cluster_count + clusters.group_of_cluster[c]] += result[c];
+      result[c] /= clusters.area[c];
+    }
+    for (uint32_t g = 0; g < clusters.group_count; ++g) result[clusters.cluster_count + g] /= clusters.area[clusters.cluster_count + g];
+    return result;
+  }
+
+  Solved readSolved(const Bytes& bytes) const {
+    Solved solved;
+    ByteReader reader(bytes);
+    const Eigen::Index groups = clusters.group_count, lights = Eigen::Index(training_lights.size());
+    for (auto& matrix : solved.multi_bounce) matrix = readMatrix(reader, groups, groups);
+    solved.training.count = uint32_t(lights);
+    solved.training.direct = readMatrix(reader, clusters.cluster_count + groups, lights);
+    for (auto& matrix : solved.training.group_indirect) matrix = readMatrix(reader, groups, lights);
+    solved.training.weight = reader.array<float>();
+    solved.emitters.direct_rgb = reader.array<Rgb>();
+    solved.emitters.group_indirect_rgb = reader.array<Rgb>();
+    return solved;
+  }
+};
+
+PrmBaker::PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings)
+    : impl_(std::make_unique<Impl>(scene, atlas, tracer, settings)) {}
+PrmBaker::~PrmBaker() = default;
+
+uint32_t PrmBaker::groupCount() const { return impl_->clusters.group_count; }
+uint32_t PrmBaker::trainingLightCount() const { return uint32_t(impl_->training_lights.size()); }
+uint32_t PrmBaker::sideCount() const { return uint32_t(impl_->sides.slot.size()); }
+uint32_t PrmBaker::blockCount() const { return impl_->blocks.count(); }
+bool PrmBaker::hasEmitters() const { return impl_->has_emitters; }
+
+Bytes PrmBaker::oneBounce(uint32_t first, uint32_t end) const {
+  const auto& clusters = impl_->clusters;
+  ChannelMatrices rows;
+  for (auto& matrix : rows) matrix.setZero(end - first, clusters.group_count);
+  for (uint32_t group = first; group < end; ++group) {
+    const uint32_t begin = clusters.cluster_first_side[clusters.group_first_cluster[group]];
+    const uint32_t last = clusters.cluster_first_side[clusters.group_first_cluster[group + 1]];
+    const auto members = std::span<const uint32_t>(clusters.cluster_side).subspan(begin, last - begin);
+    addGroupRow(clusters, impl_->gatherer.mean(members, impl_->settings.group_rays, group), group - first, rows);
+  }
+  ByteWriter writer;
+  for (const auto& matrix : rows) writeMatrix(writer, matrix);
+  return writer.take();
+}
+
+Bytes PrmBaker::trainingDirect(uint32_t first, uint32_t end) const {
+  ByteWriter writer;
+  for (uint32_t light = first; light < end; ++light) {
+    const auto irradiance_rgb = clusterIrradiance(impl_->clusters.entries, impl_->tracer, impl_->training_lights[light].light);
+    std::vector<float> irradiance;
+    for (const auto& value : irradiance_rgb) irradiance.push_back(value.x);  // training lights are grey
+    writer.array(irradiance);
+  }
+  return writer.take();
+}
+
+Bytes PrmBaker::emitterDirect(uint32_t first, uint32_t end) const {
+  const auto& impl = *impl_;
+  std::vector<Rgb> irradiance_rgb;
+  const uint32_t front_end = std::min(end, impl.sides.front_count);
+  if (first < front_end) {
+    ReferenceOptions options;
+    options.samples = impl.settings.emitter_samples;
+    options.seed = impl.settings.seed;
+    options.threads = 1;
+    irradiance_rgb = referenceIrradianceRange(impl.scene, impl.atlas, impl.tracer, {}, Component::direct, options, first, front_end).irradiance_rgb;
+  }
+  for (uint32_t side = std::max(first, front_end); side < end; ++side)
+    irradiance_rgb.push_back(impl.gatherer.emittedIrradiance(side, impl.settings.bases.rays));
+  ByteWriter writer;
+  writer.array(irradiance_rgb);
+  return writer.take();
+}
+
+Bytes PrmBaker::solve(std::span<const Bytes> one_bounce, std::span<const Bytes> training, std::span<const Bytes> emitter) const {
+  const auto& clusters = impl_->clusters;
+  ChannelMatrices rows;
+  for (auto& matrix : rows) matrix.resize(clusters.group_count, clusters.group_count);
+  Eigen::Index at = 0;
+  for (const auto& part : one_bounce) {
+    ByteReader reader(part);
+    Eigen::Index count = 0;
+    for (auto& matrix : rows) {
+      const auto values = reader.array<float>();
+      count = Eigen::Index(values.size()) / std::max<Eigen::Index>(1, clusters.group_count);
+      if (at + count > matrix.rows()) throw std::runtime_error("a task result is damaged");
+      matrix.middleRows(at, count) = Eigen::Map<const ChannelMatrices::value_type>(values.data(), count, clusters.group_count);
+    }
+    at += count;
+  }
+  const ChannelMatrices multi_bounce = solveMultiBounce(rows);
+  std::vector<std::vector<float>> direct;
+  for (const auto& part : training)
+    for (ByteReader reader(part); !reader.empty();) direct.push_back(reader.array<float>());
+  const TrainingLights lights = makeTrainingLights(clusters, multi_bounce, std::move(direct));
+
+  EmitterLight emitters;
+  if (impl_->has_emitters) {
+    emitters.direct_rgb = impl_->emitterOnClusters(emitter);
+    emitters.group_indirect_rgb.assign(clusters.group_count, Rgb(0.0f));
+    for (uint32_t to = 0; to < clusters.group_count; ++to)
+      for (uint32_t from = 0; from < clusters.group_count; ++from)
+        for (int channel = 0; channel < 3; ++channel)
+          emitters.group_indirect_rgb[to][channel] += multi_bounce[channel](to, from) * emitters.direct_rgb[clusters.cluster_count + from][channel];
+  }
+  ByteWriter writer;
+  for (const auto& matrix : multi_bounce) writeMatrix(writer, matrix);
+  writeMatrix(writer, lights.direct);
+  for (const auto& matrix : lights.group_indirect) writeMatrix(writer, matrix);
+  writer.array(lights.weight);
+  writer.array(emitters.direct_rgb);
+  writer.array(emitters.group_indirect_rgb);
+  return writer.take();
+}
+
+Bytes PrmBaker::fit(uint32_t first, uint32_t end, const Bytes& solved_bytes) const {
+  const auto& impl = *impl_;
+  const Solved solved = impl.readSolved(solved_bytes);
+  std::vector<WalkVertex> walks;
+  if (impl.settings.layout == PrmLayoutKind::panes && impl.settings.estimator == PaneEstimator::walks)
+    walks = virtualLightWalks(impl.scene, impl.atlas, impl.tracer, impl.sides, impl.clusters, impl.settings.walks_per_entry, impl.settings.seed);
+  ByteWriter writer;
+  for (uint32_t index = first; index < end; ++index) {
+    const auto slots = impl.slotsOf(index);
+    BasisBlock block;
+    if (impl.settings.layout == PrmLayoutKind::local_bases) {
+      block = fitBlock(slots, impl.gatherer, impl.clusters, solved.multi_bounce, solved.training, solved.emitters, impl.settings.bases);
+    } else {
+      const auto panes = impl.settings.estimator == PaneEstimator::walks
+                             ? walkPanes(slots, impl.atlas, impl.tracer, impl.clusters, walks)
+                             : gatherPanes(slots, impl.gatherer, impl.clusters, solved.multi_bounce, impl.settings.bases.rays);
+      block.slot = slots;
+      block.coefficient.reserve(3 * panes.size());
+      for (const auto& value : panes) block.coefficient.insert(block.coefficient.end(), {value.x, value.y, value.z});
+      if (impl.has_emitters)
+        for (size_t t = 0; t < slots.size(); ++t) {
+          Rgb sum(0.0f);
+          for (uint32_t g = 0; g < impl.clusters.group_count; ++g)
+            sum += panes[t * impl.clusters.group_count + g] * solved.emitters.direct_rgb[impl.clusters.cluster_count + g];
+          block.emitter_indirect_rgb.push_back(sum);
+        }
+    }
+    writer.array(block.slot);
+    const uint32_t rank = block.rank;
+    writer.array(std::span<const uint32_t>(&rank, 1));
+    writer.array(block.basis);
+    writer.array(block.link_cluster);
+    writer.array(block.coefficient);
+    writer.array(block.emitter_indirect_rgb);
+  }
+  return writer.take();
+}
+
+PrmResult PrmBaker::assemble(std::span<const Bytes> blocks, std::span<const Bytes> emitter) const {
+  const auto& impl = *impl_;
+  const bool local_bases = impl.settings.layout == PrmLayoutKind::local_bases;
+  PrmResult result;
+  auto& bases = result.bases;
+  std::vector<uint32_t> slots;
+  std::vector<float> pane_values;  // [texel][group][3]
+  if (local_bases) {
+    bases.block_first_texel.push_back(0);
+    bases.block_first_link.push_back(0);
+  }
+  for (const auto& part : blocks)
+    for (ByteReader reader(part); !reader.empty();) {
+      const auto block_slots = reader.array<uint32_t>();
+      const auto rank = reader.array<uint32_t>();
+      const auto basis = reader.array<float>();
+      const auto links = reader.array<uint32_t>();
+      const auto coefficients = reader.array<float>();
+      const auto emitted = reader.array<Rgb>();
+      slots.insert(slots.end(), block_slots.begin(), block_slots.end());
+      result.emitter_indirect_rgb.insert(result.emitter_indirect_rgb.end(), emitted.begin(), emitted.end());
+      if (!local_bases) {
+        pane_values.insert(pane_values.end(), coefficients.begin(), coefficients.end());
+        continue;
+      }
+      bases.block_first_texel.push_back(uint32_t(slots.size()));
+      bases.block_rank.push_back(uint8_t(rank.at(0)));
+      bases.basis.insert(bases.basis.end(), basis.begin(), basis.end());
+      bases.link_cluster.insert(bases.link_cluster.end(), links.begin(), links.end());
+      bases.block_first_link.push_back(uint32_t(bases.link_cluster.size()));
+      bases.coefficient.insert(bases.coefficient.end(), coefficients.begin(), coefficients.end());
+    }
+  for (const uint32_t slot : slots) result.texel.push_back(impl.atlas.slots[slot].texel);
+
+  if (impl.has_emitters) {
+    std::vector<Rgb> side_rgb;
+    for (const auto& part : emitter) {
+      ByteReader reader(part);
+      const auto values = reader.array<Rgb>();
+      side_rgb.insert(side_rgb.end(), values.begin(), values.end());
+    }
+    for (const uint32_t slot : slots) result.emitter_direct_rgb.push_back(side_rgb.at(slot));
+  }
+
+  result.entries = impl.clusters.entries;
+  if (!local_bases) {
+    // Only the groups' entries are used: one pane each.
+    const uint32_t groups = impl.clusters.group_count;
+    auto& entries = result.entries;
+    const uint32_t first = entries.cluster_first_entry[impl.clusters.cluster_count];
+    entries.position.erase(entries.position.begin(), entries.position.begin() + first);
+    entries.normal.erase(entries.normal.begin(), entries.normal.begin() + first);
+    entries.weight.erase(entries.weight.begin(), entries.weight.begin() + first);
+    entries.cluster_first_entry.erase(entries.cluster_first_entry.begin(), entries.cluster_first_entry.begin() + impl.clusters.cluster_count);
+    for (auto& index : entries.cluster_first_entry) index -= first;
+    result.panes.irradiance_rgb.resize(slots.size() * groups);
+    for (size_t t = 0; t < slots.size(); ++t)
+      for (uint32_t g = 0; g < groups; ++g) {
+        const float* value = &pane_values[3 * (t * groups + g)];
+        result.panes.irradiance_rgb[g * slots.size() + t] = Rgb(value[0], value[1], value[2]);
+      }
+  }
+  return result;
+}
+
+}  // namespace lightwell::transport

@@ -1,0 +1,65 @@
+// The stages of a PRM bake as pure functions from bytes to bytes, so that any executor can run, cache and resume them.
+//
+//   oneBounce(group range) ─┐
+//   trainingDirect(lights) ─┼─▶ solve ─▶ fit(block range) ─▶ assemble
+//   emitterDirect(sides)   ─┘
+//
+// PrmBaker holds what every stage derives from scene and settings alone; its construction is deterministic and cheap beside the stages.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "precompute/core/bytes.h"
+#include "precompute/transport/prm/local_bases.h"
+
+namespace lightwell::transport {
+
+enum class PrmLayoutKind { local_bases, panes };
+enum class PaneEstimator { gather, walks };
+
+struct PrmSettings {
+  PrmLayoutKind layout = PrmLayoutKind::local_bases;
+  PaneEstimator estimator = PaneEstimator::gather;  // panes only
+  EntryOptions entries;
+  LocalBasesOptions bases;
+  uint32_t group_rays = 1024;       // per group, one-bounce matrix
+  uint32_t training_lights = 256;   // local bases only
+  uint32_t emitter_samples = 64;    // per texel
+  uint32_t walks_per_entry = 1;     // panes by walks
+  uint64_t seed = 1;
+};
+
+class PrmBaker {
+ public:
+  /// `scene`, `atlas` and `tracer` must outlive the baker.
+  PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings);
+  ~PrmBaker();
+
+  uint32_t groupCount() const;
+  uint32_t trainingLightCount() const;  // 0 for panes
+  uint32_t sideCount() const;
+  uint32_t blockCount() const;
+  bool hasEmitters() const;
+
+  /// Rows of the one-bounce matrix of groups [first, end).
+  Bytes oneBounce(uint32_t first, uint32_t end) const;
+  /// Direct irradiance on clusters and groups under training lights [first, end).
+  Bytes trainingDirect(uint32_t first, uint32_t end) const;
+  /// Direct irradiance from the scene's emitters on sides [first, end); only when hasEmitters().
+  Bytes emitterDirect(uint32_t first, uint32_t end) const;
+
+  /// Joins the outputs of the stages above (each list in range order; `emitter` empty without emitters): all further bounces.
+  Bytes solve(std::span<const Bytes> one_bounce, std::span<const Bytes> training, std::span<const Bytes> emitter) const;
+
+  /// Blocks [first, end): traced and, for local bases, fitted.
+  Bytes fit(uint32_t first, uint32_t end, const Bytes& solved) const;
+
+  /// The finished map from the outputs of fit (in range order) and of emitterDirect.
+  PrmResult assemble(std::span<const Bytes> blocks, std::span<const Bytes> emitter) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lightwell::transport

@@ -1,0 +1,43 @@
+// One gathered bounce: what a point receives from the clusters around it, per unit irradiance on each.
+#pragma once
+#include <span>
+
+#include "precompute/trace/tracer.h"
+#include "precompute/transport/prm/entries.h"
+
+namespace lightwell::transport {
+
+/// One sparse row: irradiance received = Σ transfer_rgb[i] * irradiance_rgb(cluster[i]). Clusters ascend.
+struct GatherRow {
+  std::vector<uint32_t> cluster;
+  std::vector<Rgb> transfer_rgb;
+};
+
+/// Gathers over the hemisphere with cosine-distributed rays: with E the irradiance and a the albedo met, the mean of a·E over the rays is the
+/// irradiance received (the 1/π of the albedo and the π of the cosine density cancel). No geometric term, so no spikes near corners.
+/// Rays that would leave below the geometric surface carry nothing, but count.
+class Gatherer {
+ public:
+  Gatherer(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
+           const EntryClusters& clusters, uint64_t seed)
+      : scene_(scene), atlas_(atlas), tracer_(tracer), sides_(sides), clusters_(clusters), seed_(seed) {}
+
+  /// The row of one texel's side.
+  GatherRow side(uint32_t side, uint32_t rays) const;
+  /// The area-weighted mean row over the sides `members` of a cluster or group; `owner` keys its random numbers.
+  GatherRow mean(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
+  /// Irradiance that one texel's side receives straight from emitting surfaces.
+  Rgb emittedIrradiance(uint32_t side, uint32_t rays) const;
+
+ private:
+  std::vector<trace::Ray> sideRays(uint32_t side, uint32_t rays) const;
+  GatherRow trace(std::span<const trace::Ray> rays, uint32_t denominator) const;
+  const scene::Scene& scene_;
+  const atlas::Atlas& atlas_;
+  const trace::Tracer& tracer_;
+  const Sides& sides_;
+  const EntryClusters& clusters_;
+  uint64_t seed_;
+};
+
+}  // namespace lightwell::transport

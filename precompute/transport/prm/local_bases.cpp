@@ -1,0 +1,196 @@
+#include "precompute/transport/prm/local_bases.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <numeric>
+
+#include "precompute/transport/prm/block_transport.h"
+
+namespace lightwell::transport {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::VectorXf;
+
+// Basis values are stored in eight bits with a sign.
+constexpr float kBasisSteps = 127.0f;
+// The share of a block's re-reflected light that dropped group links may carry; what they carried goes to the links that stay.
+constexpr double kDroppedShare = 0.02;
+
+/// Principal components of the columns of `samples` (texels × samples): the fewest that leave the residual asked for, quantised.
+MatrixXf principalBasis(const MatrixXf& samples, const LocalBasesOptions& options) {
+  const MatrixXd gram = (samples * samples.transpose()).cast<double>();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(gram);
+  const Eigen::Index texels = gram.rows();
+  const double total = std::max(0.0, solver.eigenvalues().sum());
+  double residual = total;
+  Eigen::Index rank = 0;
+  const Eigen::Index most_rank = std::min<Eigen::Index>(options.most_rank, texels);
+  while (rank < most_rank && residual > double(options.rank_error) * options.rank_error * total && residual > 0) {
+    residual -= std::max(0.0, solver.eigenvalues()[texels - 1 - rank]);
+    ++rank;
+  }
+  MatrixXf basis(texels, rank);
+  for (Eigen::Index k = 0; k < rank; ++k) {
+    VectorXf column = solver.eigenvectors().col(texels - 1 - k).cast<float>();
+    Eigen::Index largest;
+    column.cwiseAbs().maxCoeff(&largest);
+    column /= column[largest];  // the sign of an eigenvector is arbitrary: make its largest value +1
+    basis.col(k) = (column * kBasisSteps).array().round() / kBasisSteps;
+  }
+  return basis;
+}
+
+/// (UᵀU)⁻¹Uᵀ in double: least-squares coordinates in the quantised basis.
+MatrixXf pseudoInverse(const MatrixXf& basis) {
+  const MatrixXd u = basis.cast<double>();
+  return (u.transpose() * u).ldlt().solve(u.transpose()).cast<float>();
+}
+
+
+}  // namespace
+
+TrainingLights makeTrainingLights(const EntryClusters& clusters, const ChannelMatrices& multi_bounce,
+                                  std::vector<std::vector<float>> direct_irradiance) {
+  TrainingLights training;
+  training.count = uint32_t(direct_irradiance.size());
+  const uint32_t rows = clusters.cluster_count + clusters.group_count;
+  training.direct.resize(rows, training.count);
+  for (uint32_t light = 0; light < training.count; ++light)
+    for (uint32_t row = 0; row < rows; ++row) training.direct(row, light) = direct_irradiance[light][row];
+  for (int channel = 0; channel < 3; ++channel)
+    training.group_indirect[channel] = multi_bounce[channel] * training.direct.bottomRows(clusters.group_count);
+
+  // Sealed pockets: their light is nearly zero everywhere, and a weight of one over it would let them rule the basis.
+  training.weight.assign(training.count, 0.0f);
+  std::vector<double> mean(training.count, 0.0);
+  double area = 0;
+  for (uint32_t group = 0; group < clusters.group_count; ++group) {
+    const double group_area = clusters.area[clusters.cluster_count + group];
+    area += group_area;
+    for (uint32_t light = 0; light < training.count; ++light) mean[light] += group_area * training.group_indirect[1](group, light);
+  }
+  std::vector<double> sorted = mean;
+  if (!sorted.empty()) std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
+  const double median = sorted.empty() ? 0.0 : sorted[sorted.size() / 2];
+  for (uint32_t light = 0; light < training.count; ++light)
+    if (mean[light] > 0.1 * median) training.weight[light] = float(area / mean[light]);
+  return training;
+}
+
+BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const ChannelMatrices& multi_bounce,
+                    const TrainingLights& training, const EmitterLight& emitters, const LocalBasesOptions& options) {
+  BasisBlock result;
+  result.slot.assign(slots.begin(), slots.end());
+  const BlockTransport transport = gatherBlock(slots, gatherer, clusters, options.rays);
+  const Eigen::Index texels = slots.size(), links = transport.cluster.size(), groups = transport.group.size(), lights = training.count;
+
+  if (!emitters.direct_rgb.empty()) {
+    result.emitter_indirect_rgb.assign(slots.size(), Rgb(0.0f));
+    for (Eigen::Index t = 0; t < texels; ++t)
+      for (int channel = 0; channel < 3; ++channel) {
+        double sum = 0;
+        for (Eigen::Index l = 0; l < links; ++l) sum += transport.from_cluster[channel](t, l) * emitters.direct_rgb[transport.cluster[l]][channel];
+        for (Eigen::Index g = 0; g < groups; ++g) sum += transport.from_group[channel](t, g) * emitters.group_indirect_rgb[transport.group[g]][channel];
+        result.emitter_indirect_rgb[t][channel] = float(sum);
+      }
+  }
+
+  // The block's indirect light under every training light, each weighted so that the error relative to what is there counts (design.md's texrel).
+  MatrixXf direct(links, lights);
+  for (Eigen::Index l = 0; l < links; ++l) direct.row(l) = training.direct.row(transport.cluster[l]);
+  MatrixXf group_direct(groups, lights);
+  for (Eigen::Index g = 0; g < groups; ++g) group_direct.row(g) = training.direct.row(clusters.cluster_count + transport.group[g]);
+  MatrixXf samples(texels, 3 * lights);
+  for (int channel = 0; channel < 3; ++channel)
+    samples.middleCols(channel * lights, lights) = transport.from_cluster[channel] * direct +
+                                                   transport.from_group[channel] * groupRows(transport.group, training.group_indirect[channel]);
+  VectorXf light_weight(lights);
+  for (Eigen::Index m = 0; m < lights; ++m) {
+    const float global_mean = training.weight[m] > 0 ? 1.0f / training.weight[m] : 0.0f;
+    const float block_mean = samples.col(lights + m).mean();
+    light_weight[m] = global_mean > 0 ? 1.0f / (0.1f * global_mean + block_mean) : 0.0f;
+  }
+  for (int channel = 0; channel < 3; ++channel)
+    samples.middleCols(channel * lights, lights) = samples.middleCols(channel * lights, lights) * light_weight.asDiagonal();
+
+  const MatrixXf basis = principalBasis(samples, options);
+  const Eigen::Index rank = basis.cols();
+  result.rank = uint32_t(rank);
+  if (rank == 0) return result;
+  const MatrixXf to_coordinates = pseudoInverse(basis);
+  const VectorXf basis_norm2 = basis.colwise().squaredNorm();
+  const double signal2 = samples.cast<double>().squaredNorm();
+
+  // Coordinates of the transport: from clusters (near, detailed) and from groups (everything after one more reflection).
+  std::array<MatrixXf, 3> from_cluster, from_group;
+  for (int channel = 0; channel < 3; ++channel) {
+    from_cluster[channel] = to_coordinates * transport.from_cluster[channel];
+    from_group[channel] = (to_coordinates * transport.from_group[channel]) * groupRows(transport.group, multi_bounce[channel]);
+  }
+
+  // Merge: what would go wrong if all clusters of a group shared the group's irradiance?
+  std::vector<std::pair<double, Eigen::Index>> merge_error(groups);
+  std::vector<Eigen::Index> first_link(groups + 1, links);
+  for (Eigen::Index l = links - 1; l >= 0; --l) first_link[transport.group_index[l]] = l;
+  for (Eigen::Index g = 0; g < groups; ++g) {
+    const Eigen::Index begin = first_link[g], count = first_link[g + 1] - begin;
+    const MatrixXf deviation = (direct.middleRows(begin, count).rowwise() - group_direct.row(g)) * light_weight.asDiagonal();
+    double error2 = 0;
+    for (int channel = 0; channel < 3; ++channel) {
+      const MatrixXf wrong = from_cluster[channel].middleCols(begin, count) * deviation;
+      error2 += (wrong.array().square().colwise() * basis_norm2.array()).cast<double>().sum();
+    }
+    merge_error[g] = {error2, g};
+  }
+  std::sort(merge_error.begin(), merge_error.end());
+  std::vector<char> merged(groups, 0);
+  double spent2 = 0;
+  for (const auto& [error2, g] : merge_error) {
+    spent2 += error2;
+    if (spent2 > double(options.link_error) * options.link_error * signal2) break;
+    merged[g] = 1;
+    for (int channel = 0; channel < 3; ++channel)
+      from_group[channel].col(transport.group[g]) +=
+          from_cluster[channel].middleCols(first_link[g], first_link[g + 1] - first_link[g]).rowwise().sum();
+  }
+
+  // Drop the weakest group links up to a small share of their light, and give that share to the others.
+  const VectorXf mean_basis = basis.colwise().mean();
+  const VectorXf weighted_direct = training.direct.bottomRows(clusters.group_count) * light_weight;
+  std::vector<std::pair<double, uint32_t>> strength(clusters.group_count);
+  double total_strength = 0;
+  for (uint32_t group = 0; group < clusters.group_count; ++group) {
+    double sum = 0;
+    for (int channel = 0; channel < 3; ++channel) sum += std::abs(mean_basis.dot(from_group[channel].col(group)));
+    strength[group] = {sum * weighted_direct[group], group};
+    total_strength += strength[group].first;
+  }
+  std::sort(strength.begin(), strength.end());
+  std::vector<char> kept(clusters.group_count, 1);
+  double dropped = 0;
+  for (const auto& [value, group] : strength) {
+    if (dropped + value > kDroppedShare * total_strength) break;
+    dropped += value;
+    kept[group] = 0;
+  }
+  const float restore = total_strength > dropped ? float(total_strength / (total_strength - dropped)) : 1.0f;
+
+  const auto emit = [&](uint32_t cluster, const std::array<MatrixXf, 3>& coordinates, Eigen::Index column, float scale) {
+    result.link_cluster.push_back(cluster);
+    for (Eigen::Index k = 0; k < rank; ++k)
+      for (int channel = 0; channel < 3; ++channel) result.coefficient.push_back(scale * coordinates[channel](k, column));
+  };
+  for (Eigen::Index l = 0; l < links; ++l)
+    if (!merged[transport.group_index[l]]) emit(transport.cluster[l], from_cluster, l, 1.0f);
+  for (uint32_t group = 0; group < clusters.group_count; ++group)
+    if (kept[group]) emit(clusters.cluster_count + group, from_group, group, restore);
+
+  result.basis.resize(texels * rank);
+  for (Eigen::Index t = 0; t < texels; ++t)
+    for (Eigen::Index k = 0; k < rank; ++k) result.basis[t * rank + k] = basis(t, k);
+  return result;
+}
+
+}  // namespace lightwell::transport

@@ -1,0 +1,52 @@
+// Local bases: blocks of texels, each with a few basis maps of its own and coefficients over the clusters that matter to it.
+//
+// Light is local, so a basis common to a whole level fails while one per block of texels needs few maps (measured in docs/design/).
+// The basis of a block is that of principal components of the block's indirect light under lights drawn from the prior; coefficients
+// are the projection of the block's transport on it. Clusters whose detail a block cannot see are replaced by their group.
+#pragma once
+#include "precompute/transport/prm/light_prior.h"
+#include "precompute/transport/prm/multi_bounce.h"
+#include "precompute/transport/prm/partition.h"
+
+namespace lightwell::transport {
+
+struct LocalBasesOptions {
+  uint32_t block_texels = 96;      // aimed at
+  uint32_t most_rank = 16;         // 1 … 64
+  float rank_error = 0.02f;        // a block's rank is the least that leaves this relative residual under the training lights
+  float link_error = 0.01f;        // clusters merge into groups, and links are dropped, up to this relative error under the training lights
+  uint32_t rays = 512;             // gathered per texel
+};
+
+/// Direct irradiance of the training lights, and what it becomes after all further bounces; computed once, read by every block.
+struct TrainingLights {
+  uint32_t count = 0;
+  // [cluster][light]: direct irradiance on fine clusters and groups (PrmEntries order); grey lights, so one channel.
+  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> direct;
+  ChannelMatrices group_indirect;  // [group][light]: indirect irradiance on groups
+  std::vector<float> weight;       // per light: one over its mean indirect irradiance over the groups' area; 0 for sealed pockets
+};
+
+TrainingLights makeTrainingLights(const EntryClusters& clusters, const ChannelMatrices& multi_bounce,
+                                  std::vector<std::vector<float>> direct_irradiance);
+
+/// What the scene's own emitters give: direct irradiance on clusters and groups (PrmEntries order) and, after further bounces, on groups.
+struct EmitterLight {
+  std::vector<Rgb> direct_rgb, group_indirect_rgb;  // both empty without emitters
+};
+
+/// One block's share of PrmLocalBases.
+struct BasisBlock {
+  std::vector<uint32_t> slot;      // the block's texels
+  uint32_t rank = 0;
+  std::vector<float> basis;        // [texel][rank], multiples of 1/127 in [−1, 1]
+  std::vector<uint32_t> link_cluster;
+  std::vector<float> coefficient;  // [link][rank][3]
+  std::vector<Rgb> emitter_indirect_rgb;  // [texel]; empty without emitters
+};
+
+/// Traces the block's texels and fits its basis. Depends on nothing but its arguments.
+BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const ChannelMatrices& multi_bounce,
+                    const TrainingLights& training, const EmitterLight& emitters, const LocalBasesOptions& options);
+
+}  // namespace lightwell::transport
