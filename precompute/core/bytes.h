@@ -10,6 +10,7 @@
 namespace lightwell {
 
 using Bytes = std::vector<uint8_t>;
+using ByteView = std::span<const uint8_t>;
 
 class ByteWriter {
  public:

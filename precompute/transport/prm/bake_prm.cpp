@@ -69,7 +69,7 @@ struct PrmBaker::Impl {
     return slots;
   }
 
-  std::vector<Rgb> emitterOnClusters(std::span<const Bytes> emitter) const {
+  std::vector<Rgb> emitterOnClusters(std::span<const ByteView> emitter) const {
     std::vector<Rgb> side_rgb;
     for (const auto& part : emitter) {
       ByteReader reader(part);
@@ -89,7 +89,7 @@ struct PrmBaker::Impl {
     return result;
   }
 
-  Solved readSolved(const Bytes& bytes) const {
+  Solved readSolved(ByteView bytes) const {
     Solved solved;
     ByteReader reader(bytes);
     const Eigen::Index groups = clusters.group_count, lights = Eigen::Index(training_lights.size());
@@ -158,7 +158,7 @@ Bytes PrmBaker::emitterDirect(uint32_t first, uint32_t end) const {
   return writer.take();
 }
 
-Bytes PrmBaker::solve(std::span<const Bytes> one_bounce, std::span<const Bytes> training, std::span<const Bytes> emitter) const {
+Bytes PrmBaker::solve(std::span<const ByteView> one_bounce, std::span<const ByteView> training, std::span<const ByteView> emitter) const {
   const auto& clusters = impl_->clusters;
   ChannelMatrices rows;
   for (auto& matrix : rows) matrix.resize(clusters.group_count, clusters.group_count);
@@ -199,7 +199,7 @@ Bytes PrmBaker::solve(std::span<const Bytes> one_bounce, std::span<const Bytes> 
   return writer.take();
 }
 
-Bytes PrmBaker::fit(uint32_t first, uint32_t end, const Bytes& solved_bytes) const {
+Bytes PrmBaker::fit(uint32_t first, uint32_t end, ByteView solved_bytes) const {
   const auto& impl = *impl_;
   const Solved solved = impl.readSolved(solved_bytes);
   std::vector<WalkVertex> walks;
@@ -237,7 +237,7 @@ Bytes PrmBaker::fit(uint32_t first, uint32_t end, const Bytes& solved_bytes) con
   return writer.take();
 }
 
-PrmResult PrmBaker::assemble(std::span<const Bytes> blocks, std::span<const Bytes> emitter) const {
+PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const ByteView> emitter) const {
   const auto& impl = *impl_;
   const bool local_bases = impl.settings.layout == PrmLayoutKind::local_bases;
   PrmResult result;

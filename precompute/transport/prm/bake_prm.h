@@ -49,13 +49,13 @@ class PrmBaker {
   Bytes emitterDirect(uint32_t first, uint32_t end) const;
 
   /// Joins the outputs of the stages above (each list in range order; `emitter` empty without emitters): all further bounces.
-  Bytes solve(std::span<const Bytes> one_bounce, std::span<const Bytes> training, std::span<const Bytes> emitter) const;
+  Bytes solve(std::span<const ByteView> one_bounce, std::span<const ByteView> training, std::span<const ByteView> emitter) const;
 
   /// Blocks [first, end): traced and, for local bases, fitted.
-  Bytes fit(uint32_t first, uint32_t end, const Bytes& solved) const;
+  Bytes fit(uint32_t first, uint32_t end, ByteView solved) const;
 
   /// The finished map from the outputs of fit (in range order) and of emitterDirect.
-  PrmResult assemble(std::span<const Bytes> blocks, std::span<const Bytes> emitter) const;
+  PrmResult assemble(std::span<const ByteView> blocks, std::span<const ByteView> emitter) const;
 
  private:
   struct Impl;
