@@ -26,7 +26,7 @@ class FileSource {
   FileSource& operator=(FileSource&& other) noexcept;
   /// False when the path is not a readable regular file; errno then says why.
   bool open(const char* path);
-  /// Valid while this object lives and is not moved from.
+  /// Valid while the file is open; moving this object does not matter.
   Source source() const;
 
  private:
@@ -34,12 +34,15 @@ class FileSource {
   uint64_t bytes_ = 0;
 };
 
-/// Null functions: malloc and free. `allocate` returns memory aligned to 16 bytes, or null.
+/// Null functions: malloc and free. With `allocate` alone nothing is released. `allocate` returns memory aligned to 16 bytes, or null.
 struct Allocator {
   void* (*allocate)(void* user, size_t bytes) = nullptr;
   void (*release)(void* user, void* memory) = nullptr;
   void* user = nullptr;
 };
+
+void* allocate(const Allocator& allocator, size_t bytes);
+void release(const Allocator& allocator, void* memory);  // null does nothing
 
 /// What a file may ask for at most. Checked before anything of that size is allocated.
 struct Limits {

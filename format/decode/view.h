@@ -79,11 +79,11 @@ class View {
 
  private:
   void swap(View& other) noexcept;
-  Fault parseHeader(uint64_t& directory_checksum);
+  Fault parseHeader();
+  Fault readDirectory();
   Fault parseDirectory();
   Fault placeChunks();
-  void* allocate(size_t bytes) const;
-  void release(void* memory) const;
+  Fault checkPadding(const ChunkInfo& chunk) const;
 
   Source source_;
   Limits limits_;

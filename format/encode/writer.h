@@ -89,6 +89,10 @@ class Writer {
     uint64_t checksum;
     std::vector<uint8_t> stored;
   };
+  std::vector<uint8_t> head() const;  // header, directory and its padding
+  std::vector<std::span<const uint8_t>> pieces(std::span<const uint8_t> head) const;
+  const Chunk* find(std::string_view section, std::string_view name) const;
+
   WriterOptions options_;
   std::vector<Section> sections_;
   std::vector<Chunk> chunks_;

@@ -1,0 +1,139 @@
+// View::decode: stored bytes → checksum → zstd → planes → differences.
+#define ZSTD_STATIC_LINKING_ONLY  // a decompression context in memory of the caller's allocator
+#include <zstd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "format/decode/checksum.h"
+#include "format/decode/endian.h"
+#include "format/decode/view.h"
+
+namespace lightwell::format {
+namespace {
+
+Fault chunkFault(const ChunkInfo& chunk, Status status, const char* reason) {
+  return makeFault(status, chunk.offset, "%.*s/%.*s: %s", int(chunk.section.size()), chunk.section.data(), int(chunk.name.size()),
+                   chunk.name.data(), reason);
+}
+
+/// Memory of the View's allocator for the time of a call.
+struct Scratch {
+  const Allocator& allocator;
+  void* memory = nullptr;
+  uint8_t* allocate(size_t bytes) { return static_cast<uint8_t*>(memory = format::allocate(allocator, bytes)); }
+  ~Scratch() { release(allocator, memory); }
+};
+
+/// Gathers byte k of element i from planes[k * count + i].
+template <size_t Size>
+void joinPlanes(const uint8_t* __restrict planes, uint8_t* __restrict elements, size_t count) {
+  for (size_t i = 0; i < count; ++i)
+    for (size_t k = 0; k < Size; ++k) elements[i * Size + k] = planes[k * count + i];
+}
+
+/// In place: each element (little-endian) becomes the sum of itself and all before it, modulo 2^bits.
+template <class Unsigned>
+void sumDifferences(uint8_t* elements, size_t count) {
+  Unsigned sum = 0;
+  for (size_t i = 0; i < count; ++i) {
+    sum = Unsigned(sum + loadLittle<Unsigned>(elements + i * sizeof(Unsigned)));
+    storeLittle(elements + i * sizeof(Unsigned), sum);
+  }
+}
+
+void toHostOrder(uint8_t* elements, size_t bytes, size_t element_bytes) {
+  if constexpr (std::endian::native == std::endian::big)
+    for (size_t i = 0; i < bytes; i += element_bytes) std::reverse(elements + i, elements + i + element_bytes);
+}
+
+/// The stored bytes must be exactly one zstd frame without dictionary that declares exactly `raw_bytes`.
+bool isSingleFrame(const uint8_t* stored, size_t stored_bytes, size_t raw_bytes) {
+  return stored_bytes >= 4 && loadLittle<uint32_t>(stored) == ZSTD_MAGICNUMBER && ZSTD_getFrameContentSize(stored, stored_bytes) == raw_bytes &&
+         ZSTD_getDictID_fromFrame(stored, stored_bytes) == 0 && ZSTD_findFrameCompressedSize(stored, stored_bytes) == stored_bytes;
+}
+
+}  // namespace
+
+Fault View::decode(const ChunkInfo& chunk, void* destination, size_t bytes) const {
+  if (!chunk.decodable) return chunkFault(chunk, Status::too_new, "codec or element type of a later version");
+  if (!isOpen() || bytes != chunk.raw_bytes || (bytes > 0 && !destination))
+    return chunkFault(chunk, Status::invalid_argument, "the destination has not the decoded size");
+  auto* out = static_cast<uint8_t*>(destination);
+  const size_t stored_bytes = size_t(chunk.stored_bytes);
+
+  // Stored bytes: in place when the file lies in memory, straight to the destination when they need no decoding.
+  const bool in_place = source_.memory != nullptr, direct = !in_place && chunk.codec == Codec::raw;
+  Scratch stored_scratch{allocator_};
+  const uint8_t* stored = in_place ? source_.memory + chunk.offset : out;
+  if (!in_place && !direct && !(stored = stored_scratch.allocate(stored_bytes)))
+    return chunkFault(chunk, Status::out_of_memory, "no memory for the stored bytes");
+  if (!in_place && stored_bytes > 0 && !source_.read(source_.user, chunk.offset, const_cast<uint8_t*>(stored), stored_bytes))
+    return chunkFault(chunk, Status::io_error, "cannot be read");
+  if (checksum(stored, stored_bytes) != chunk.checksum) return chunkFault(chunk, Status::bad_checksum, "checksum differs");
+  if (const Fault fault = checkPadding(chunk)) return fault;
+
+  if (chunk.codec == Codec::raw) {
+    if (in_place && bytes > 0) std::memcpy(out, stored, bytes);
+  } else {
+    if (!isSingleFrame(stored, stored_bytes, bytes))
+      return chunkFault(chunk, Status::bad_chunk, "not one zstd frame of the size that the shape gives");
+    const size_t element_bytes = elementBytes(chunk.element), elements = bytes / element_bytes;
+    const bool planes = element_bytes > 1 && chunk.codec != Codec::zstd;
+    Scratch plane_scratch{allocator_}, context_scratch{allocator_};
+    uint8_t* unpacked = planes ? plane_scratch.allocate(bytes) : out;
+    const size_t context_bytes = ZSTD_estimateDCtxSize();
+    void* context_memory = context_scratch.allocate(context_bytes);
+    if (!unpacked || !context_memory) return chunkFault(chunk, Status::out_of_memory, "no memory to decompress");
+    ZSTD_DCtx* context = ZSTD_initStaticDCtx(context_memory, context_bytes);
+    if (!context) return chunkFault(chunk, Status::invalid_argument, "the allocator's memory is not aligned");
+    if (ZSTD_decompressDCtx(context, unpacked, bytes, stored, stored_bytes) != bytes)
+      return chunkFault(chunk, Status::bad_chunk, "zstd cannot decompress it");
+    if (planes && element_bytes == 2) joinPlanes<2>(unpacked, out, elements);
+    if (planes && element_bytes == 4) joinPlanes<4>(unpacked, out, elements);
+    if (chunk.codec == Codec::zstd_delta_planes) {
+      if (element_bytes == 1) sumDifferences<uint8_t>(out, elements);
+      if (element_bytes == 2) sumDifferences<uint16_t>(out, elements);
+      if (element_bytes == 4) sumDifferences<uint32_t>(out, elements);
+    }
+  }
+  toHostOrder(out, bytes, elementBytes(chunk.element));
+  return {};
+}
+
+Fault View::checkStored(const ChunkInfo& chunk) const {
+  if (!isOpen()) return chunkFault(chunk, Status::invalid_argument, "no file is open");
+  ChecksumStream stream;
+  if (source_.memory) {
+    stream.update(source_.memory + chunk.offset, size_t(chunk.stored_bytes));
+  } else {
+    constexpr size_t kPiece = size_t(64) << 10;
+    Scratch scratch{allocator_};
+    uint8_t* piece = scratch.allocate(kPiece);
+    if (!piece) return chunkFault(chunk, Status::out_of_memory, "no memory to read it");
+    for (uint64_t done = 0; done < chunk.stored_bytes;) {
+      const size_t bytes = size_t(std::min<uint64_t>(kPiece, chunk.stored_bytes - done));
+      if (!source_.read(source_.user, chunk.offset + done, piece, bytes)) return chunkFault(chunk, Status::io_error, "cannot be read");
+      stream.update(piece, bytes);
+      done += bytes;
+    }
+  }
+  if (stream.digest() != chunk.checksum) return chunkFault(chunk, Status::bad_checksum, "checksum differs");
+  return checkPadding(chunk);
+}
+
+Fault View::checkPadding(const ChunkInfo& chunk) const {
+  const uint64_t end = chunk.offset + chunk.stored_bytes;
+  const size_t padding = size_t(std::min(alignUp(end), source_.bytes) - end);
+  uint8_t bytes[kAlignment] = {};
+  if (padding == 0) return {};
+  if (source_.memory) std::memcpy(bytes, source_.memory + end, padding);
+  else if (!source_.read(source_.user, end, bytes, padding)) return chunkFault(chunk, Status::io_error, "its padding cannot be read");
+  for (size_t i = 0; i < padding; ++i)
+    if (bytes[i] != 0) return makeFault(Status::trailing_bytes, end + i, "%.*s/%.*s: the padding after it is not zero",
+                                        int(chunk.section.size()), chunk.section.data(), int(chunk.name.size()), chunk.name.data());
+  return {};
+}
+
+}  // namespace lightwell::format

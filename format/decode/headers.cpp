@@ -1,0 +1,92 @@
+#include "format/decode/headers.h"
+
+#include "format/decode/wire.h"
+
+namespace lightwell::format {
+namespace {
+
+/// Enums of the messages have values below 256 in every version so far; larger ones read as unknown.
+template <class Enum>
+void readEnum(WireReader& reader, Enum& value, Enum largest_known) {
+  uint32_t number = 0;
+  reader.read(number);
+  value = number <= uint32_t(largest_known) ? Enum(number) : Enum::unknown;
+}
+
+/// A fixed-length array as a repeated field: must have all its numbers.
+template <class Number, uint32_t Length>
+struct Vector {
+  Number (&values)[Length];
+  uint32_t count = 0;
+  void append(WireReader& reader) { reader.append(values, Length, count); }
+  bool complete() const { return count == Length; }
+};
+
+bool parseLight(std::string_view message, Light& light) {
+  WireReader reader(message);
+  Vector<float, 3> position{light.position_m}, direction{light.direction}, intensity{light.intensity_rgb};
+  while (reader.next()) switch (reader.field()) {
+      case 1: readEnum(reader, light.type, LightType::directional); break;
+      case 2: reader.read(light.name); break;
+      case 3: position.append(reader); break;
+      case 4: direction.append(reader); break;
+      case 5: intensity.append(reader); break;
+      case 6: reader.read(light.inner_cone_angle); break;
+      case 7: reader.read(light.outer_cone_angle); break;
+      case 8: reader.read(light.range_m); break;
+    }
+  return reader.ok() && position.complete() && direction.complete() && intensity.complete();
+}
+
+}  // namespace
+
+bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header) {
+  header = {};
+  WireReader reader(message, bytes);
+  while (reader.next()) switch (reader.field()) {
+      case 1: reader.read(header.width); break;
+      case 2: reader.read(header.height); break;
+      case 3: reader.read(header.covered_texels); break;
+      case 4: reader.read(header.charts); break;
+      case 5: reader.read(header.unwrapped); break;
+    }
+  return reader.ok();
+}
+
+bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header) {
+  header = {};
+  WireReader reader(message, bytes);
+  while (reader.next()) switch (reader.field()) {
+      case 1: readEnum(reader, header.layout, PrmLayout::local_bases); break;
+      case 2: reader.read(header.entries); break;
+      case 3: reader.read(header.clusters); break;
+      case 4: reader.read(header.texels); break;
+      case 5: reader.read(header.blocks); break;
+      case 6: reader.read(header.max_rank); break;
+      case 7: reader.read(header.brightest); break;
+      case 8: reader.read(header.has_emitter); break;
+    }
+  return reader.ok();
+}
+
+bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity) {
+  header = {};
+  WireReader reader(message, bytes);
+  Vector<double, 3> origin{header.origin_m};
+  Vector<float, 3> bounds_min{header.bounds_min_m}, bounds_max{header.bounds_max_m};
+  while (reader.next()) switch (reader.field()) {
+      case 1: origin.append(reader); break;
+      case 2: bounds_min.append(reader); break;
+      case 3: bounds_max.append(reader); break;
+      case 4: {
+        Light light;
+        if (!parseLight(reader.bytes(), light)) return false;
+        if (lights && header.light_count < light_capacity) lights[header.light_count] = light;
+        ++header.light_count;
+        break;
+      }
+    }
+  return reader.ok() && origin.complete() && bounds_min.complete() && bounds_max.complete();
+}
+
+}  // namespace lightwell::format
