@@ -1,0 +1,168 @@
+#include "precompute/transport/reference/path_batch.h"
+
+#include <algorithm>
+
+namespace lightwell::transport {
+namespace {
+
+/// Dimensions of the random numbers. Those of vertex d start at kFirstVertex + d * kPerVertex.
+enum Dimension : uint32_t {
+  kPatch = 0,  // 1D: which patch of the texel
+  kPlace = 1,  // 2D: where in it
+  kFirstVertex = 2,
+  kDirection = 0,   // 2D
+  kEmitter = 1,     // 1D: which emitter
+  kEmitterPlace = 2,  // 2D
+  kLight = 3,       // 1D: which punctual light
+  kSurvival = 4,    // 1D: Russian roulette
+  kPerVertex = 5,
+};
+constexpr float kSegmentEnd = 1.0f - 0x1p-16f;  // a shadow segment stops short of the light itself
+
+uint32_t dimensionOf(uint32_t depth, uint32_t which) { return kFirstVertex + depth * kPerVertex + which; }
+
+Vec3 toWorld(const Vec3& local, const Vec3& axis) {
+  Vec3 tangent, bitangent;
+  orthonormalBasis(axis, tangent, bitangent);
+  return tangent * local.x + bitangent * local.y + axis * local.z;
+}
+
+/// The vertex under a hit, on the side that the ray came from.
+PathVertex vertexAt(const scene::Mesh& mesh, const trace::Hit& hit) {
+  const auto& corner = mesh.triangles[hit.triangle];
+  const float w = 1.0f - hit.u - hit.v;
+  PathVertex vertex;
+  vertex.position = mesh.positions[corner[0]] * w + mesh.positions[corner[1]] * hit.u + mesh.positions[corner[2]] * hit.v;
+  vertex.geometric_normal = hit.geometric_normal;
+  Vec3 normal = mesh.normals[corner[0]] * w + mesh.normals[corner[1]] * hit.u + mesh.normals[corner[2]] * hit.v;
+  if (!hit.front) normal = -normal;
+  const float length = normal.length();
+  vertex.shading_normal = length > 0.0f ? normal / length : hit.geometric_normal;
+  return vertex;
+}
+
+}  // namespace
+
+void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& irradiance_rgb) {
+  const auto& [scene, atlas, tracer, emitters, punctual, component, cancel] = context_;
+  irradiance_rgb.assign(starts.size(), Rgb(0.0f));
+  paths_.clear();
+  for (uint32_t i = 0; i < starts.size(); ++i) {
+    const PathStart& start = starts[i];
+    const atlas::SurfacePoint point = atlas::sampleSlot(scene.mesh, atlas, atlas.slots[start.slot], start.sampler.get1D(start.sample, kPatch),
+                                                        start.sampler.get2D(start.sample, kPlace));
+    Path path;
+    path.index = i;
+    path.vertex = {point.position, point.normal, point.geometric_normal};
+    paths_.push_back(path);
+  }
+
+  while (!paths_.empty()) {
+    if (cancel) cancel->check();
+    shadow_rays_.clear(), contributions_.clear(), rays_.clear();
+    size_t going_on = 0;
+    for (Path& path : paths_) {
+      const PathStart& start = starts[path.index];
+      if (component != Component::indirect || path.depth > 0) estimateDirect(path, start);
+      if (scatter(path, start)) paths_[going_on++] = path;
+    }
+    paths_.resize(going_on);
+
+    transmittance_.resize(shadow_rays_.size());
+    tracer.transmittance(shadow_rays_, transmittance_);
+    for (size_t i = 0; i < contributions_.size(); ++i)
+      irradiance_rgb[contributions_[i].path_index] += contributions_[i].irradiance_rgb * transmittance_[i];
+
+    hits_.resize(rays_.size());
+    tracer.closest(rays_, hits_);
+    going_on = 0;
+    for (size_t i = 0; i < paths_.size(); ++i)
+      if (arrive(paths_[i], starts[paths_[i].index], hits_[i], irradiance_rgb[paths_[i].index])) paths_[going_on++] = paths_[i];
+    paths_.resize(going_on);
+  }
+}
+
+/// Next-event estimation: queues shadow rays to punctual lights and to a point of an emitter.
+void PathBatch::estimateDirect(const Path& path, const PathStart& start) {
+  const PathVertex& vertex = path.vertex;
+  const auto queue = [&](const Vec3& origin, const Vec3& direction, float t_max, const Rgb& irradiance_rgb) {
+    shadow_rays_.push_back({origin, direction, 0.0f, t_max});
+    contributions_.push_back({path.index, path.throughput_rgb * irradiance_rgb});
+  };
+
+  light_samples_.clear();
+  const float u_light = start.sampler.get1D(start.sample, dimensionOf(path.depth, kLight));
+  context_.punctual.sample(vertex.position, vertex.shading_normal, path.depth == 0, u_light, light_samples_);
+  for (const PunctualLights::Sample& light : light_samples_) {
+    if (!(light.to_light.dot(vertex.geometric_normal) > 0.0f)) continue;
+    const Vec3 origin = trace::Tracer::offsetOrigin(vertex.position, vertex.geometric_normal, light.to_light);
+    if (std::isfinite(light.distance))
+      queue(origin, vertex.position + light.to_light * light.distance - origin, kSegmentEnd, light.irradiance_rgb);
+    else
+      queue(origin, light.to_light, light.distance, light.irradiance_rgb);
+  }
+
+  if (context_.emitters.empty()) return;
+  const auto emitter = context_.emitters.sample(vertex.position, vertex.shading_normal,
+                                                start.sampler.get1D(start.sample, dimensionOf(path.depth, kEmitter)),
+                                                start.sampler.get2D(start.sample, dimensionOf(path.depth, kEmitterPlace)));
+  if (!emitter) return;
+  const Vec3 to_emitter = emitter->position - vertex.position;
+  const float distance = to_emitter.length();
+  if (!(distance > 0.0f)) return;
+  const Vec3 direction = to_emitter / distance;
+  const float cos_receiver = direction.dot(vertex.shading_normal);
+  const float cos_side = -direction.dot(emitter->geometric_normal);
+  const float cos_emitter = emitter->double_sided ? std::abs(cos_side) : cos_side;
+  if (!(cos_receiver > 0.0f && cos_emitter > 0.0f && direction.dot(vertex.geometric_normal) > 0.0f)) return;
+  if (!(maxComponent(emitter->radiance_rgb) > 0.0f)) return;
+  // Balance heuristic (Veach 1997, section 9.2.2): f / p_light * p_light / (p_light + p_cosine) leaves f / (p_light + p_cosine).
+  const float pdf_light = emitter->pdf_area * distance * distance / cos_emitter, pdf_cosine = cos_receiver / kPi;
+  const Vec3 end = trace::Tracer::offsetOrigin(emitter->position, emitter->geometric_normal, -direction);
+  const Vec3 origin = trace::Tracer::offsetOrigin(vertex.position, vertex.geometric_normal, direction);
+  queue(origin, end - origin, kSegmentEnd, emitter->radiance_rgb * (cos_receiver / (pdf_light + pdf_cosine)));
+}
+
+/// Queues the ray of a path's next direction. False when the path ends here.
+bool PathBatch::scatter(Path& path, const PathStart& start) {
+  if (context_.component == Component::direct && context_.emitters.empty()) return false;
+  const uint32_t dimension = dimensionOf(path.depth, kDirection);
+  const Vec3 local = sampleCosineHemisphere(start.sampler.get2D(start.sample, dimension));
+  const Vec3 direction = toWorld(local, path.vertex.shading_normal).normalized();
+  if (!(direction.dot(path.vertex.geometric_normal) > 0.0f)) return false;  // from below the surface nothing is received
+  path.pdf_direction = local.z / kPi;
+  rays_.push_back({trace::Tracer::offsetOrigin(path.vertex.position, path.vertex.geometric_normal, direction), direction, 0.0f,
+                   std::numeric_limits<float>::infinity(), mixBits(combineKeys(start.key, path.depth))});
+  return true;
+}
+
+/// The path's ray met a surface: adds what that emits, reflects there. False when the path ends.
+bool PathBatch::arrive(Path& path, const PathStart& start, const trace::Hit& hit, Rgb& irradiance_rgb) const {
+  const auto& [scene, atlas, tracer, emitters, punctual, component, cancel] = context_;
+  if (hit.triangle == kNone) return false;
+  if (!hit.front && !scene.materials[scene.mesh.triangle_material[hit.triangle]].double_sided) return false;
+  const scene::SurfaceColor color = scene::surfaceColor(scene, hit.triangle, hit.u, hit.v);
+  const PathVertex next = vertexAt(scene.mesh, hit);
+
+  if (maxComponent(color.emitted_radiance_rgb) > 0.0f && (component != Component::indirect || path.depth > 0)) {
+    const Vec3 way = next.position - path.vertex.position;
+    const float distance2 = way.length2();
+    const float cos_emitter = std::abs(way.dot(next.geometric_normal)) / std::sqrt(distance2);
+    const float pdf_area = emitters.pdfArea(hit.triangle, hit.u, hit.v, path.vertex.position, path.vertex.shading_normal);
+    // Written so that a hit at no distance or at grazing incidence, where the light's density is 0 or infinite, stays finite.
+    const float cosine_share = path.pdf_direction * cos_emitter, light_share = pdf_area * distance2;
+    const float weight = cosine_share > 0.0f ? cosine_share / (cosine_share + light_share) : 0.0f;
+    irradiance_rgb += path.throughput_rgb * color.emitted_radiance_rgb * (kPi * weight);
+  }
+  if (component == Component::direct) return false;
+
+  path.throughput_rgb *= color.albedo_rgb;
+  const float survival = std::min(1.0f, maxComponent(path.throughput_rgb));
+  if (!(start.sampler.get1D(start.sample, dimensionOf(path.depth, kSurvival)) < survival)) return false;
+  path.throughput_rgb /= survival;
+  path.vertex = next;
+  ++path.depth;
+  return true;
+}
+
+}  // namespace lightwell::transport

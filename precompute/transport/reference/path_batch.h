@@ -1,0 +1,72 @@
+// Many paths advanced together, one vertex at a time, so that their rays reach the tracer in long batches.
+#pragma once
+#include <vector>
+
+#include "precompute/atlas/atlas.h"
+#include "precompute/core/random.h"
+#include "precompute/trace/tracer.h"
+#include "precompute/transport/reference/emitters.h"
+#include "precompute/transport/reference/punctual.h"
+#include "precompute/transport/reference/reference.h"
+
+namespace lightwell::transport {
+
+/// What every path needs to know; all of it outlives the paths.
+struct PathContext {
+  const scene::Scene& scene;
+  const atlas::Atlas& atlas;
+  const trace::Tracer& tracer;
+  const Emitters& emitters;
+  const PunctualLights& punctual;
+  Component component;
+  const CancelFlag* cancel;
+};
+
+/// A place where irradiance is received.
+struct PathVertex {
+  Vec3 position;          // internal units
+  Vec3 shading_normal;    // unit; irradiance is about it
+  Vec3 geometric_normal;  // unit, on the lit side; light from below is not received
+};
+
+/// A path that starts on the surface of a slot. Its random numbers are the points number `sample` of `sampler`.
+struct PathStart {
+  uint32_t slot;
+  uint32_t sample;
+  Sampler sampler;
+  uint64_t key;  // of the path among all: decides which rays pass through blended surfaces
+};
+
+class PathBatch {
+ public:
+  explicit PathBatch(const PathContext& context) : context_(context) {}
+
+  /// Traces all paths to their end. `irradiance_rgb[i]` is an unbiased estimate of the irradiance at the slot of starts[i].
+  void trace(const std::vector<PathStart>& starts, std::vector<Rgb>& irradiance_rgb);
+
+ private:
+  struct Path {
+    uint32_t index;      // into the starts
+    uint32_t depth = 0;  // reflections so far
+    Rgb throughput_rgb{1, 1, 1};  // of irradiance at this vertex to irradiance at the first one
+    PathVertex vertex;
+    float pdf_direction = 0;  // solid angle, of the ray on its way from this vertex
+  };
+  void estimateDirect(const Path& path, const PathStart& start);
+  bool scatter(Path& path, const PathStart& start);
+  bool arrive(Path& path, const PathStart& start, const trace::Hit& hit, Rgb& irradiance_rgb) const;
+
+  const PathContext& context_;
+  std::vector<Path> paths_;
+  std::vector<trace::Ray> rays_, shadow_rays_;
+  std::vector<trace::Hit> hits_;
+  std::vector<float> transmittance_;
+  struct Contribution {
+    uint32_t path_index;
+    Rgb irradiance_rgb;
+  };
+  std::vector<Contribution> contributions_;  // of shadow_rays_
+  std::vector<PunctualLights::Sample> light_samples_;
+};
+
+}  // namespace lightwell::transport
