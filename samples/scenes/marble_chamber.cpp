@@ -9,7 +9,7 @@ namespace {
 
 // The plan, in metres (multiples of 1/8, so that what touches does so exactly): x across, z along the nave; the dais is at the far end (z < 0).
 constexpr float kNave = 2.875f, kPier = 0.75f, kAisle = 5.875f, kEnd = 9.0f;
-constexpr float kNaveHeight = 6.2f, kAisleHeight = 4.9f, kImpost = 3.0f, kPlinth = 0.25f, kDais = 0.75f;
+constexpr float kNaveHeight = 6.2f, kAisleHeight = 4.9f, kBeam = 0.3f, kImpost = 3.0f, kPlinth = 0.25f, kDais = 0.75f;
 constexpr int kPiers = 4, kArchSegments = 8;
 constexpr float kSpan = (2 * kEnd - kPiers * kPier) / float(kPiers + 1);
 
@@ -33,14 +33,14 @@ void addArcade(Node& node, const Stones& stone, float side) {
     return Vec3(0, kImpost + radius * std::sin(angle), from + radius * (1 - std::cos(angle)));
   };
   struct Face {
-    float x, facing, top;
+    float x, facing, top, top_at_piers;
     uint32_t material;
   };
-  for (const Face& face : {Face{side * kNave, -side, kNaveHeight, stone.white},
-                           Face{side * (kNave + kPier), side, kAisleHeight, side < 0 ? stone.west_wall : stone.east_wall}}) {
+  for (const Face& face : {Face{side * kNave, -side, kNaveHeight, kNaveHeight, stone.white},
+                           Face{side * (kNave + kPier), side, kAisleHeight, kAisleHeight - kBeam, side < 0 ? stone.west_wall : stone.east_wall}}) {
     std::vector<Vec3> corners;
-    const auto strip = [&](const Vec3& low_from, const Vec3& low_to) {
-      std::array<Vec3, 4> quad{low_from, low_to, Vec3(0, face.top, low_to.z), Vec3(0, face.top, low_from.z)};
+    const auto strip = [&](const Vec3& low_from, const Vec3& low_to, float top) {
+      std::array<Vec3, 4> quad{low_from, low_to, Vec3(0, top, low_to.z), Vec3(0, top, low_from.z)};
       if (face.facing > 0) std::swap(quad[1], quad[3]);
       for (Vec3 corner : quad) {
         corner.x = face.x;
@@ -48,8 +48,8 @@ void addArcade(Node& node, const Stones& stone, float side) {
       }
     };
     for (size_t bay = 0; bay <= kPiers; ++bay) {
-      for (int k = 0; k < kArchSegments; ++k) strip(arch(bay, k), arch(bay, k + 1));
-      if (bay < kPiers) strip({0, kImpost, springs[2 * bay + 1]}, {0, kImpost, springs[2 * bay + 2]});
+      for (int k = 0; k < kArchSegments; ++k) strip(arch(bay, k), arch(bay, k + 1), face.top);
+      if (bay < kPiers) strip({0, kImpost, springs[2 * bay + 1]}, {0, kImpost, springs[2 * bay + 2]}, face.top_at_piers);
     }
     addPlanarChart(node, face.material, corners, 4);
   }
@@ -116,7 +116,7 @@ CellGrid planHall(const Stones& stone) {
     });
     for (int pier = 0; pier < kPiers; ++pier)
       across(kNave + kPier, kAisle, pierStart(pier), pierStart(pier) + kPier, [&](Cell& c) {
-        c.ceiling_m = kAisleHeight - 0.3f;
+        c.ceiling_m = kAisleHeight - kBeam;
         c.ceiling_material = c.lintel_material = stone.white;
       });
     // Under the arcade everything above the floor is the arcade's own.
