@@ -203,15 +203,16 @@ LW_API lw_result lw_get_array_info(const lw_container *container, lw_array array
 LW_API lw_result lw_decode_array(const lw_container *container, lw_array array, void *destination, size_t bytes);
 
 enum { LW_ALPHA_MASK = 1, LW_ALPHA_BLEND = 2 };
-enum { LW_WRAP_REPEAT = 0, LW_WRAP_CLAMP = 1, LW_WRAP_MIRROR = 2 };
+enum { LW_WRAP_REPEAT = 1, LW_WRAP_CLAMP = 2, LW_WRAP_MIRROR = 3 };
 
-/* How a triangle with alpha lets light through. alpha = factor * texture(alpha_uv); cut-outs are opaque where alpha ≥ cutoff. */
+/* How a triangle with alpha lets light through. alpha = factor * texture(alpha_uv). LW_ALPHA_MASK: opaque where alpha ≥ cutoff,
+ * else nothing; LW_ALPHA_BLEND: blocks the fraction alpha. */
 typedef struct lw_alpha_material {
   uint32_t mode;             /* LW_ALPHA_… */
   float cutoff;              /* LW_ALPHA_MASK */
   float factor;
   int32_t texture;           /* for lw_decode_alpha_texture; −1: none */
-  uint32_t wrap_u, wrap_v;   /* LW_WRAP_… */
+  uint32_t wrap_u, wrap_v;   /* LW_WRAP_…; 0 without a texture */
   uint32_t texture_width, texture_height; /* 0 without a texture */
 } lw_alpha_material;
 

@@ -1,0 +1,57 @@
+// A decoded precomputed radiance map. The arrays keep the types of the container; docs/format.md gives their meaning.
+#pragma once
+#include "format/decode/headers.h"
+#include "runtime/src/host.h"
+
+struct lw_prm {
+  template <class T>
+  using Array = lightwell::runtime::Array<T>;
+
+  lightwell::runtime::Host host;
+  lightwell::format::PrmHeader header;
+  uint32_t width = 0, height = 0;       // of the atlas
+  Array<uint32_t> source;               // [height * width]; each texel's source is its own source, or none
+  Array<uint32_t> texel;                // [texels]; unique, each its own source
+
+  Array<float> entry_position_m;        // [entries][3]
+  Array<float> entry_normal;            // [entries][3]
+  Array<float> entry_weight;            // [entries]
+  Array<uint32_t> cluster_first_entry;  // [clusters + 1]
+
+  // Panes: one of the two is filled.
+  Array<uint32_t> pane_rgb9e5;          // [clusters][texels]
+  Array<uint16_t> pane_half;            // [clusters][texels][3]
+  Array<float> pane_sum_rgb;            // [clusters][3]: over the texels, what ranks clusters and keeps their energy
+
+  // Local bases.
+  Array<uint32_t> block_first_texel;    // [blocks + 1]
+  Array<uint8_t> block_rank;            // [blocks]
+  Array<int8_t> basis;                  // per block [texel][rank], value / 127
+  Array<uint32_t> block_first_link;     // [blocks + 1]
+  Array<uint32_t> link_cluster;         // [links]
+  Array<float> coefficient_scale;       // per block [rank][3]
+  Array<int8_t> coefficient_i8;         // per block [link][rank][3]; one of the two is filled
+  Array<int16_t> coefficient_i16;
+
+  Array<uint32_t> emitter_direct_rgb9e5, emitter_indirect_rgb9e5;  // [texels], or empty
+};
+
+namespace lightwell::runtime {
+
+/// A local basis's number as GL reads GL_BYTE normalised: −128 is −1 too.
+inline float basisValue(int8_t v) { return v < -127 ? -1.0f : float(v) * (1.0f / 127.0f); }
+
+/// Luminance of a cluster's contribution to the atlas, by which the brightest are chosen. `pane_sum_rgb` is null for local bases.
+inline float contribution(const float* irradiance_rgb, const float* pane_sum_rgb) {
+  return pane_sum_rgb ? 0.2126f * (irradiance_rgb[0] * pane_sum_rgb[0]) + 0.7152f * (irradiance_rgb[1] * pane_sum_rgb[1]) +
+                            0.0722f * (irradiance_rgb[2] * pane_sum_rgb[2])
+                      : 0.0f;
+}
+
+/// Finite and not negative.
+bool isIrradiance(const float* values, size_t count);
+
+/// Options with their defaults; false when they are not valid.
+bool resolveOptions(const lw_prm_options* given, lw_prm_options& options);
+
+}  // namespace lightwell::runtime

@@ -1,0 +1,188 @@
+// The weighted sum of panes, or of local bases: irradiance at every texel of the atlas.
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <cstring>
+
+#include "format/decode/pixel.h"
+#include "runtime/src/container.h"
+#include "runtime/src/prm.h"
+
+namespace lightwell::runtime {
+
+bool isIrradiance(const float* values, size_t count) {
+  bool good = true;
+  for (size_t i = 0; i < count; ++i) good &= values[i] >= 0.0f && values[i] <= FLT_MAX;
+  return good;
+}
+
+bool resolveOptions(const lw_prm_options* given, lw_prm_options& options) {
+  options = LW_PRM_OPTIONS_INIT;
+  if (!given) return true;
+  if (given->size < sizeof(lw_prm_options) || given->keep_energy > 1 || given->emitters > (LW_EMITTERS_DIRECT | LW_EMITTERS_INDIRECT)) return false;
+  options = *given;
+  return true;
+}
+
+namespace {
+
+/// What a chosen cluster is weighted with.
+struct Weight {
+  float contribution;
+  uint32_t cluster;
+};
+
+/// The clusters to sum, in ascending order, and the scale that keeps the energy of those left out. Returns their number.
+uint32_t selectBrightest(const lw_prm& prm, const float* irradiance_rgb, uint32_t brightest, bool keep_energy, Weight* weights, float* scale_rgb) {
+  const uint32_t clusters = prm.header.clusters;
+  const float* pane_sum = prm.pane_sum_rgb.data();
+  uint32_t lit = 0;
+  for (uint32_t c = 0; c < clusters; ++c) {
+    const float* e = irradiance_rgb + size_t(c) * 3;
+    if (e[0] > 0 || e[1] > 0 || e[2] > 0) weights[lit++] = {contribution(e, pane_sum + size_t(c) * 3), c};
+  }
+  std::fill_n(scale_rgb, 3, 1.0f);
+  if (!brightest || brightest >= lit) return lit;
+  std::nth_element(weights, weights + brightest, weights + lit, [](const Weight& a, const Weight& b) {
+    return a.contribution > b.contribution || (a.contribution == b.contribution && a.cluster < b.cluster);
+  });
+  std::sort(weights, weights + brightest, [](const Weight& a, const Weight& b) { return a.cluster < b.cluster; });
+  if (keep_energy) {
+    double all[3] = {}, kept[3] = {};
+    for (size_t i = 0; i < size_t(clusters) * 3; ++i) all[i % 3] += double(irradiance_rgb[i]) * pane_sum[i];
+    for (uint32_t w = 0; w < brightest; ++w)
+      for (int k = 0; k < 3; ++k) kept[k] += double(irradiance_rgb[size_t(weights[w].cluster) * 3 + k]) * pane_sum[size_t(weights[w].cluster) * 3 + k];
+    for (int k = 0; k < 3; ++k)
+      if (kept[k] > 0) scale_rgb[k] = float(all[k] / kept[k]);
+  }
+  return brightest;
+}
+
+void addPane(const uint32_t* pane, uint32_t texels, const float* irradiance_rgb, float* r, float* g, float* b) {
+  for (uint32_t i = 0; i < texels; ++i) {
+    const format::Float3 v = format::unpackRgb9e5(pane[i]);
+    r[i] += v.x * irradiance_rgb[0];
+    g[i] += v.y * irradiance_rgb[1];
+    b[i] += v.z * irradiance_rgb[2];
+  }
+}
+
+/// Finite halfs only (checked when loaded): shifting exponent and mantissa into place and rescaling by 2^112 is exact, subnormals included.
+inline float unpackFiniteHalf(uint32_t h) {
+  return std::bit_cast<float>((h & 0x7fffu) << 13) * 0x1p112f * (h & 0x8000u ? -1.0f : 1.0f);
+}
+
+void addPane(const uint16_t* pane, uint32_t texels, const float* irradiance_rgb, float* r, float* g, float* b) {
+  for (uint32_t i = 0; i < texels; ++i) {
+    r[i] += unpackFiniteHalf(pane[i * 3]) * irradiance_rgb[0];
+    g[i] += unpackFiniteHalf(pane[i * 3 + 1]) * irradiance_rgb[1];
+    b[i] += unpackFiniteHalf(pane[i * 3 + 2]) * irradiance_rgb[2];
+  }
+}
+
+float sane(float v) { return v > 0.0f ? std::min(v, FLT_MAX) : 0.0f; }
+
+/// A tile of texels at a time, so that the sums stay in the first-level cache while panes stream past.
+void evaluatePanes(const lw_prm& prm, const float* irradiance_rgb, const Weight* weights, uint32_t weight_count, const float* scale_rgb, float* rgba) {
+  constexpr uint32_t kTile = 512;
+  const uint32_t texels = prm.header.texels;
+  for (uint32_t first = 0; first < texels; first += kTile) {
+    const uint32_t count = std::min(kTile, texels - first);
+    float r[kTile] = {}, g[kTile] = {}, b[kTile] = {};
+    for (uint32_t w = 0; w < weight_count; ++w) {
+      const size_t cluster = weights[w].cluster, value = cluster * texels + first;
+      if (prm.pane_half.empty()) addPane(&prm.pane_rgb9e5[value], count, irradiance_rgb + cluster * 3, r, g, b);
+      else addPane(&prm.pane_half[value * 3], count, irradiance_rgb + cluster * 3, r, g, b);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+      float* texel = rgba + size_t(prm.texel[first + i]) * 4;
+      texel[0] = sane(r[i] * scale_rgb[0]);
+      texel[1] = sane(g[i] * scale_rgb[1]);
+      texel[2] = sane(b[i] * scale_rgb[2]);
+      texel[3] = 1.0f;
+    }
+  }
+}
+
+template <class Coefficient>
+void evaluateLocalBases(const lw_prm& prm, const Coefficient* coefficient, const float* irradiance_rgb, float* rgba) {
+  const int8_t* basis = prm.basis.data();
+  const float* scale = prm.coefficient_scale.data();
+  for (uint32_t block = 0; block < prm.header.blocks; ++block) {
+    const uint32_t rank = prm.block_rank[block];
+    float amount_rgb[255 * 3];
+    std::fill_n(amount_rgb, rank * 3, 0.0f);
+    for (uint32_t l = prm.block_first_link[block]; l < prm.block_first_link[block + 1]; ++l, coefficient += rank * 3) {
+      const float* e = irradiance_rgb + size_t(prm.link_cluster[l]) * 3;
+      if (!(e[0] > 0 || e[1] > 0 || e[2] > 0)) continue;
+      for (uint32_t k = 0; k < rank; ++k) {
+        amount_rgb[k * 3] += float(coefficient[k * 3]) * e[0];
+        amount_rgb[k * 3 + 1] += float(coefficient[k * 3 + 1]) * e[1];
+        amount_rgb[k * 3 + 2] += float(coefficient[k * 3 + 2]) * e[2];
+      }
+    }
+    for (uint32_t i = 0; i < rank * 3; ++i) amount_rgb[i] *= *scale++;
+    for (uint32_t t = prm.block_first_texel[block]; t < prm.block_first_texel[block + 1]; ++t, basis += rank) {
+      float sum[3] = {};
+      for (uint32_t k = 0; k < rank; ++k) {
+        const float value = basisValue(basis[k]);
+        for (int c = 0; c < 3; ++c) sum[c] += value * amount_rgb[k * 3 + c];
+      }
+      float* texel = rgba + size_t(prm.texel[t]) * 4;
+      for (int c = 0; c < 3; ++c) texel[c] = sane(sum[c]);
+      texel[3] = 1.0f;
+    }
+  }
+}
+
+void addEmitters(const lw_prm& prm, const Array<uint32_t>& emitter_rgb9e5, float* rgba) {
+  for (size_t i = 0; i < emitter_rgb9e5.size(); ++i) {
+    const format::Float3 e = format::unpackRgb9e5(emitter_rgb9e5[i]);
+    float* texel = rgba + size_t(prm.texel[i]) * 4;
+    texel[0] = sane(texel[0] + e.x);
+    texel[1] = sane(texel[1] + e.y);
+    texel[2] = sane(texel[2] + e.z);
+  }
+}
+
+void fillGutters(const lw_prm& prm, float* rgba) {
+  const size_t texels = prm.source.size();
+  for (size_t i = 0; i < texels; ++i)
+    if (prm.source[i] != i && prm.source[i] != kNone) std::memcpy(rgba + i * 4, rgba + size_t(prm.source[i]) * 4, 4 * sizeof(float));
+}
+
+}  // namespace
+}  // namespace lightwell::runtime
+
+using namespace lightwell::runtime;
+
+size_t lw_prm_scratch_bytes(const lw_prm* prm) {
+  return prm && !prm->pane_sum_rgb.empty() ? size_t(prm->header.clusters) * sizeof(Weight) : 0;
+}
+
+lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb, const lw_prm_options* given, void* scratch, size_t scratch_bytes,
+                          float* atlas_rgba) {
+  if (!prm || !cluster_irradiance_rgb || !atlas_rgba) return LW_INVALID_ARGUMENT;
+  lw_prm_options options;
+  if (!resolveOptions(given, options)) return prm->host.fail(LW_INVALID_ARGUMENT, "lw_prm_options: a value is out of range");
+  const size_t needed = lw_prm_scratch_bytes(prm);
+  if (scratch_bytes < needed || (needed && !scratch))
+    return prm->host.fail(LW_INVALID_ARGUMENT, "%zu bytes of scratch are needed, not %zu", needed, scratch_bytes);
+  if (!isIrradiance(cluster_irradiance_rgb, size_t(prm->header.clusters) * 3))
+    return prm->host.fail(LW_INVALID_ARGUMENT, "an irradiance is negative or not finite");
+  std::memset(atlas_rgba, 0, prm->source.size() * 4 * sizeof(float));
+  if (!prm->pane_sum_rgb.empty()) {
+    auto* weights = static_cast<Weight*>(scratch);
+    float scale_rgb[3];
+    const uint32_t count = selectBrightest(*prm, cluster_irradiance_rgb, options.brightest, options.keep_energy != 0, weights, scale_rgb);
+    evaluatePanes(*prm, cluster_irradiance_rgb, weights, count, scale_rgb, atlas_rgba);
+  } else if (!prm->coefficient_i16.empty()) {
+    evaluateLocalBases(*prm, prm->coefficient_i16.data(), cluster_irradiance_rgb, atlas_rgba);
+  } else {
+    evaluateLocalBases(*prm, prm->coefficient_i8.data(), cluster_irradiance_rgb, atlas_rgba);
+  }
+  if (options.emitters & LW_EMITTERS_DIRECT) addEmitters(*prm, prm->emitter_direct_rgb9e5, atlas_rgba);
+  if (options.emitters & LW_EMITTERS_INDIRECT) addEmitters(*prm, prm->emitter_indirect_rgb9e5, atlas_rgba);
+  fillGutters(*prm, atlas_rgba);
+  return LW_OK;
+}
