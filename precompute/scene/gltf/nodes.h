@@ -1,0 +1,38 @@
+// The node hierarchy flattened: which mesh and which light stands where.
+#pragma once
+#include <ImathMatrix.h>
+
+#include <string>
+#include <vector>
+
+#include "precompute/core/diagnostics.h"
+#include "precompute/scene/gltf/document.h"
+
+namespace lightwell::scene::gltf {
+
+/// Row vectors as Imath has them: world = local * matrix. In memory that is glTF's column-major matrix.
+using Matrix = Imath::M44d;
+
+/// A mesh or a light in the world. A mesh under EXT_mesh_gpu_instancing has one placement per instance.
+struct Placement {
+  size_t node;
+  size_t target;          // index into meshes or into the lights of KHR_lights_punctual
+  std::string path;       // "nodes[4]"
+  std::string instance;   // "#2" for instance 2 of EXT_mesh_gpu_instancing, else empty
+  std::string name;       // of the node
+  Matrix world;
+  bool skinned = false;
+};
+
+struct Placements {
+  std::vector<Placement> meshes, lights;
+};
+
+/// Walks the default scene (the first one when none is named; every root node, with a warning, when there is no scene at all). A node
+/// reached twice (a cycle, or two parents), a matrix that is not affine and too many instances are InputErrors.
+Placements placeNodes(Document& document, Diagnostics& diagnostics);
+
+/// The node's own transform: its matrix, or translation * rotation * scale.
+Matrix localTransform(const JsonValue& node, Diagnostics& diagnostics);
+
+}  // namespace lightwell::scene::gltf
