@@ -39,15 +39,15 @@ bool writeAll(int fd, Pieces pieces) {
 
 /// A name in `folder` that nothing else uses: process and a counter; existing names are stepped over by the caller.
 std::filesystem::path temporaryName(const std::filesystem::path& file, int attempt) {
-  std::string name = ".";
-  name += file.filename().string();
-  name += "." + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".tmp";
+  std::string name = file.filename().string();
+  name.insert(0, 1, '.').append(".").append(std::to_string(::getpid())).append("-").append(std::to_string(attempt)).append(".tmp");
   return file.parent_path() / name;
 }
 
 /// Gives the nameless file a name. Empty path when the system cannot.
 std::filesystem::path nameIt(int fd, const std::filesystem::path& file) {
-  const std::string self = "/proc/self/fd/" + std::to_string(fd);
+  std::string self = "/proc/self/fd/";
+  self += std::to_string(fd);
   for (int attempt = 0; attempt < 100; ++attempt) {
     std::filesystem::path name = temporaryName(file, attempt);
     if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) return name;

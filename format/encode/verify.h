@@ -43,7 +43,7 @@ struct Issue {
   std::string message;
 };
 
-/// All issues, in the order of the file, at most 100; empty for a sound file. Throws only std::bad_alloc and, when the file cannot be
+/// All issues in the order of the file, then all notes; at most 100. Empty for a sound file. Throws only std::bad_alloc and, when the file cannot be
 /// opened, std::system_error.
 std::vector<Issue> verify(const std::filesystem::path& file, const Limits& limits = {});
 /// The same for a source; see OpenOptions for the limits.

@@ -1,0 +1,123 @@
+// The checks of section prm. docs/format.md has the tables that they hold.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "format/encode/verify_context.h"
+#include "lightwell/v1/container.pb.h"
+
+namespace lightwell::format {
+namespace {
+
+constexpr const char* kSection = "prm";
+
+void verifyEntries(VerifyContext& context, const v1::PrmHeader& prm) {
+  const uint64_t entries = prm.entries();
+  if (const auto position = context.load<float>(kSection, "entry_position", {entries, 3}))
+    context.checkFinite(*position, kSection, "entry_position");
+  if (const auto normal = context.load<int16_t>(kSection, "entry_normal", {entries, 2}))
+    context.checkEach(*normal, IssueId::value_range, kSection, "entry_normal", "are -32768", [](int16_t v) { return v == INT16_MIN; });
+  const auto weight = context.load<float>(kSection, "entry_weight", {entries});
+  const auto first = context.load<uint32_t>(kSection, "cluster_first_entry", {uint64_t(prm.clusters()) + 1});
+  const bool weights_good = weight && context.checkEach(*weight, IssueId::not_finite, kSection, "entry_weight", "are negative or not finite",
+                                                        [](float v) { return !(v >= 0) || !std::isfinite(v); });
+  const bool offsets_good = first && context.checkOffsets(*first, entries, true, kSection, "cluster_first_entry");
+  if (!weights_good || !offsets_good) return;
+  for (size_t cluster = 0; cluster + 1 < first->size(); ++cluster) {
+    double sum = 0;
+    for (uint32_t i = (*first)[cluster]; i < (*first)[cluster + 1]; ++i) sum += (*weight)[i];
+    if (std::abs(sum - 1) <= 1e-4) continue;
+    context.report(IssueId::weight_sum, kSection, "entry_weight",
+                   "the weights of cluster " + std::to_string(cluster) + " sum to " + std::to_string(sum) + " instead of 1");
+    return;
+  }
+}
+
+void verifyTexels(VerifyContext& context, const v1::PrmHeader& prm) {
+  const auto texel = context.load<uint32_t>(kSection, "texel", {prm.texels()});
+  const ChunkInfo* coverage_chunk = context.find("atlas", "coverage");
+  if (!texel || !coverage_chunk) return;
+  const auto coverage = context.load<uint8_t>("atlas", "coverage", {kAnyExtent, kAnyExtent});
+  if (!coverage) return;
+  std::vector<bool> seen(coverage->size());
+  for (size_t i = 0; i < texel->size(); ++i) {
+    const uint32_t t = (*texel)[i];
+    const std::string place = "value " + std::to_string(i);
+    if (t >= seen.size()) return context.report(IssueId::index_range, kSection, "texel", place + " belongs to no texel of the atlas");
+    if (seen[t]) return context.report(IssueId::order, kSection, "texel", place + " belongs to a texel that has one already");
+    if (!(*coverage)[t]) return context.report(IssueId::cross_section, kSection, "texel", place + " belongs to a texel that is not covered");
+    seen[t] = true;
+  }
+}
+
+void verifyPanes(VerifyContext& context, const v1::PrmHeader& prm) {
+  const uint64_t clusters = prm.clusters(), texels = prm.texels();
+  if (prm.brightest() > clusters) context.report(IssueId::header_value, kSection, "header", "brightest is more than there are clusters");
+  if (prm.blocks() != 0 || prm.max_rank() != 0) context.report(IssueId::header_value, kSection, "header", "panes have no blocks and no rank");
+  const ChunkInfo* pane = context.find(kSection, "pane");
+  if (!pane || pane->element != ElementType::f16) {
+    context.load<uint32_t>(kSection, "pane", ElementType::rgb9e5, {clusters, texels});
+    return;
+  }
+  if (const auto halves = context.load<uint16_t>(kSection, "pane", ElementType::f16, {clusters, texels, 3}))
+    context.checkEach(*halves, IssueId::not_finite, kSection, "pane", "are negative or not finite",
+                      [](uint16_t v) { return v > 0x7bff && v != 0x8000; });
+}
+
+void verifyLocalBases(VerifyContext& context, const v1::PrmHeader& prm) {
+  const uint64_t blocks = prm.blocks();
+  if (prm.brightest() != 0) context.report(IssueId::header_value, kSection, "header", "local bases have no brightest panes");
+  const auto first_texel = context.load<uint32_t>(kSection, "block_first_texel", {blocks + 1});
+  const auto rank = context.load<uint8_t>(kSection, "block_rank", {blocks});
+  const auto link_cluster = context.load<uint32_t>(kSection, "link_cluster", {kAnyExtent});
+  const auto first_link = context.load<uint32_t>(kSection, "block_first_link", {blocks + 1});
+  if (!first_texel || !rank || !link_cluster || !first_link) return;
+  bool sound = context.checkOffsets(*first_texel, prm.texels(), true, kSection, "block_first_texel");
+  sound &= context.checkOffsets(*first_link, link_cluster->size(), false, kSection, "block_first_link");
+  sound &= context.checkEach(*rank, IssueId::value_range, kSection, "block_rank", "are more than max_rank",
+                             [&](uint8_t v) { return v > prm.max_rank(); });
+  context.checkEach(*link_cluster, IssueId::index_range, kSection, "link_cluster", "name no cluster",
+                    [&](uint32_t v) { return v >= prm.clusters(); });
+  if (!sound) return;
+
+  uint64_t basis_size = 0, scale_size = 0, coefficient_size = 0;
+  bool ascending = true;
+  for (uint64_t b = 0; b < blocks; ++b) {
+    const uint64_t r = (*rank)[b];
+    basis_size += ((*first_texel)[b + 1] - (*first_texel)[b]) * r;
+    scale_size += r * 3;
+    coefficient_size += ((*first_link)[b + 1] - (*first_link)[b]) * r * 3;
+    for (uint32_t l = (*first_link)[b] + 1; l < (*first_link)[b + 1] && ascending; ++l)
+      if ((*link_cluster)[l] <= (*link_cluster)[l - 1]) {
+        context.report(IssueId::order, kSection, "link_cluster", "link " + std::to_string(l) + " does not ascend within its block");
+        ascending = false;
+      }
+  }
+  if (const auto basis = context.load<int8_t>(kSection, "basis", {basis_size}))
+    context.checkEach(*basis, IssueId::value_range, kSection, "basis", "are -128", [](int8_t v) { return v == INT8_MIN; });
+  if (const auto scale = context.load<float>(kSection, "coefficient_scale", {scale_size}))
+    context.checkEach(*scale, IssueId::not_finite, kSection, "coefficient_scale", "are negative or not finite",
+                      [](float v) { return !(v >= 0) || !std::isfinite(v); });
+  const ChunkInfo* coefficient = context.find(kSection, "coefficient");
+  if (coefficient && coefficient->element == ElementType::i16) context.load<int16_t>(kSection, "coefficient", {coefficient_size});
+  else context.load<int8_t>(kSection, "coefficient", {coefficient_size});
+}
+
+}  // namespace
+
+void verifyPrm(VerifyContext& context) {
+  for (const char* needed : {"scene", "atlas"})
+    if (!context.has(needed)) context.report(IssueId::section_missing, kSection, "", std::string("needs section ") + needed);
+  v1::PrmHeader prm;
+  if (!context.loadMessage(kSection, "header", prm)) return;
+  verifyEntries(context, prm);
+  verifyTexels(context, prm);
+  if (prm.layout() == v1::PRM_LAYOUT_PANES) verifyPanes(context, prm);
+  else if (prm.layout() == v1::PRM_LAYOUT_LOCAL_BASES) verifyLocalBases(context, prm);
+  else context.report(IssueId::header_value, kSection, "header", "the layout is not one of this version");
+  if (prm.has_emitter())
+    for (const char* name : {"emitter_direct", "emitter_indirect"})
+      context.load<uint32_t>(kSection, name, ElementType::rgb9e5, {prm.texels()});
+}
+
+}  // namespace lightwell::format
