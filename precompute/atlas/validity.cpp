@@ -1,0 +1,58 @@
+#include "precompute/atlas/validity.h"
+
+#include <vector>
+
+#include "precompute/atlas/sources.h"
+#include "precompute/core/parallel.h"
+#include "precompute/core/random.h"
+
+namespace lightwell::atlas {
+namespace {
+
+constexpr uint32_t kRays = 32;           // per slot; a power of two, for the net property of the points
+constexpr float kBuriedShare = 0.5f;     // of the rays that meet back faces
+constexpr uint64_t kStream = 0xb0f1ed;   // keeps these rays independent of others with the same seed
+
+trace::Ray rayFrom(const scene::Mesh& mesh, const Atlas& atlas, const Slot& slot, const Sampler& sampler, uint32_t sample, uint32_t key) {
+  const SurfacePoint point = sampleSlot(mesh, atlas, slot, sampler.get1D(sample, 0), sampler.get2D(sample, 1));
+  Vec3 tangent, bitangent;
+  orthonormalBasis(point.geometric_normal, tangent, bitangent);
+  const Vec3 local = sampleCosineHemisphere(sampler.get2D(sample, 2));
+  trace::Ray ray;
+  ray.direction = (tangent * local.x + bitangent * local.y + point.geometric_normal * local.z).normalized();
+  ray.origin = trace::Tracer::offsetOrigin(point.position, point.geometric_normal, ray.direction);
+  ray.key = key;
+  return ray;
+}
+
+}  // namespace
+
+ValidityReport fillInvalid(Atlas& atlas, const scene::Scene& scene, const trace::Tracer& tracer, uint64_t seed, int threads,
+                           const CancelFlag* cancel) {
+  std::vector<uint8_t> valid(atlas.slots.size(), 1);
+  parallelFor(atlas.slots.size(), 64, threads, cancel, [&](size_t begin, size_t end) {
+    std::vector<trace::Ray> rays;
+    rays.reserve((end - begin) * kRays);
+    for (size_t i = begin; i < end; ++i) {
+      const Sampler sampler(combineKeys(seed, kStream), atlas.slots[i].texel);
+      for (uint32_t s = 0; s < kRays; ++s)
+        rays.push_back(rayFrom(scene.mesh, atlas, atlas.slots[i], sampler, s, mixBits(combineKeys(atlas.slots[i].texel, s))));
+    }
+    std::vector<trace::Hit> hits(rays.size());
+    tracer.closest(rays, hits);
+    for (size_t i = begin; i < end; ++i) {
+      uint32_t back = 0;
+      for (uint32_t s = 0; s < kRays; ++s) {
+        const trace::Hit& hit = hits[(i - begin) * kRays + s];
+        if (hit.triangle != kNone && !hit.front && !scene.materials[scene.mesh.triangle_material[hit.triangle]].double_sided) ++back;
+      }
+      valid[i] = float(back) <= kBuriedShare * kRays;
+    }
+  });
+  ValidityReport report;
+  for (uint8_t v : valid) report.buried += !v;
+  report.unfilled = fillSources(atlas, valid);
+  return report;
+}
+
+}  // namespace lightwell::atlas
