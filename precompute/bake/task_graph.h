@@ -18,11 +18,11 @@
 #include <vector>
 
 #include "precompute/bake/key.h"
+#include "precompute/core/bytes.h"
 #include "precompute/core/diagnostics.h"
 
 namespace lightwell::bake {
 
-using Bytes = std::vector<uint8_t>;
 /// A task's result; immutable and shared between the store and the tasks that read it.
 using Blob = std::shared_ptr<const Bytes>;
 using TaskIndex = uint32_t;

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <thread>
 
-#include "precompute/bake/bytes.h"
 #include "precompute/bake/executor.h"
 
 namespace lightwell::bake {
@@ -254,21 +253,6 @@ TEST_F(DirectoryStoreTest, FailureToWriteWarnsOnce) {
   store.put(key_, std::make_shared<Bytes>(bytesOf("result")));
   store.put({1, 2}, std::make_shared<Bytes>(bytesOf("other")));
   EXPECT_EQ(diagnostics_.warnings().size(), 1u);
-}
-
-TEST(ByteReader, RoundTripAndShortInput) {
-  ByteWriter writer;
-  writer.value(uint32_t{7}).array(std::vector<float>{1, 2, 3});
-  const Bytes bytes = writer.take();
-  ByteReader reader(bytes);
-  EXPECT_EQ(reader.value<uint32_t>(), 7u);
-  EXPECT_THAT(reader.array<float>(), testing::ElementsAre(1, 2, 3));
-  EXPECT_TRUE(reader.atEnd());
-  for (size_t size = 0; size < bytes.size(); ++size) {
-    const Bytes part(bytes.begin(), bytes.begin() + std::ptrdiff_t(size));
-    ByteReader short_reader(part);
-    EXPECT_THROW((short_reader.value<uint32_t>(), short_reader.array<float>()), std::runtime_error);
-  }
 }
 
 }  // namespace

@@ -1,0 +1,89 @@
+#include "precompute/bake/bake.h"
+
+#include "format/encode/reader.h"
+#include "format/encode/writer.h"
+#include "precompute/bake/prm_tasks.h"
+#include "precompute/bake/sections.h"
+
+namespace lightwell::bake {
+namespace {
+
+constexpr int kZstdLevel = 9;
+
+v1::MetaHeader metaOf(const BakeContext& context, const std::vector<plan::Omitted>& omitted, const std::vector<Warning>& warnings) {
+  v1::MetaHeader header;
+  v1::Provenance& provenance = *header.mutable_provenance();
+  provenance.set_tool_version(productVersion());
+  const std::filesystem::path file = context.scene().file;
+  provenance.set_scene_name(file.filename().string());
+  KeyHasher hasher;
+  provenance.set_scene_hash(hasher.add(context.surfaceKey()).add(context.lightKey()).finish().low);
+  provenance.set_settings_json(plan::canonicalJson(context.settings()));
+  for (const auto& warning : warnings) {
+    // Where the scene lay on the machine that baked it is no property of the container.
+    const std::string place = warning.place == file ? file.filename().string() : warning.place;
+    provenance.add_warnings((place.empty() ? "" : place + ": ") + warning.message);
+  }
+  for (const auto& [type, reason] : omitted) {
+    v1::Omitted* out = header.add_omitted();
+    out->set_type(type);
+    out->set_reason(reason);
+  }
+  return header;
+}
+
+}  // namespace
+
+const char* productVersion() { return LIGHTWELL_VERSION; }
+
+BakeGraph makeBakeGraph(const BakeContext& context, const std::vector<Warning>& warnings) {
+  BakeGraph result{TaskGraph(productVersion()), 0, {}};
+  plan::Plan plan = plan::makePlan(context.facts(), context.settings());
+  std::shared_ptr<const transport::PrmBaker> baker;
+  if (plan.prm) {
+    baker = std::make_shared<transport::PrmBaker>(context.scene(), context.atlas(), *context.tracer(), prmSettings(context.settings()));
+    if (baker->blockCount() == 0 || baker->groupCount() == 0) {
+      plan.prm = false;
+      plan.omitted.push_back({"prm", "every texel lies inside or behind other surfaces"});
+    }
+  }
+  PrmTasks prm;
+  if (plan.prm) prm = addPrmTasks(result.graph, context, baker);
+
+  const v1::MetaHeader meta = metaOf(context, plan.omitted, warnings);
+  std::vector<TaskIndex> inputs = prm.blocks;
+  inputs.insert(inputs.end(), prm.emitter.begin(), prm.emitter.end());
+  const std::string parameters = context.surfaceKey().hex() + context.lightKey().hex() + meta.SerializeAsString();
+  const double texels = double(context.settings().lightmap_size) * context.settings().lightmap_size;
+  result.container = result.graph.add({"container", "container", "container", parameters, inputs, texels + 1, [&context, plan, prm, meta](const TaskInputs& in) {
+                                         format::Writer writer({.zstd_level = kZstdLevel});
+                                         addMetaSection(writer, meta);
+                                         addSceneSection(writer, context.scene());
+                                         if (plan.surface_sections) {
+                                           addGeometrySection(writer, context.scene(), context.atlas());
+                                           addAtlasSection(writer, context.atlas());
+                                         }
+                                         in.cancel.check();
+                                         if (plan.prm)
+                                           addPrmSection(writer,
+                                                         assemblePrm(prm, in.inputs.first(prm.blocks.size()), in.inputs.subspan(prm.blocks.size())),
+                                                         context.scene().metres_per_unit);
+                                         in.cancel.check();
+                                         return writer.bytes();
+                                       }});
+  result.omitted = plan.omitted;
+  return result;
+}
+
+std::vector<SectionSize> sectionSizes(const Bytes& container) {
+  const format::Reader reader(container);
+  std::vector<SectionSize> sizes;
+  for (const auto& section : reader.view().sections()) sizes.push_back({std::string(section.type)});
+  for (const auto& chunk : reader.view().chunks()) {
+    sizes[chunk.section_index].stored_bytes += chunk.stored_bytes;
+    sizes[chunk.section_index].raw_bytes += chunk.raw_bytes;
+  }
+  return sizes;
+}
+
+}  // namespace lightwell::bake

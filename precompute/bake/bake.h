@@ -1,0 +1,31 @@
+// From a scene to a container.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "precompute/bake/context.h"
+#include "precompute/bake/executor.h"
+
+namespace lightwell::bake {
+
+/// "0.1.0"; part of every task's key.
+const char* productVersion();
+
+/// The graph of a bake, and its one goal: the task whose result is the container's bytes. The same context gives the same graph in any
+/// process. Functions of the tasks refer to the context, which must outlive the graph.
+struct BakeGraph {
+  TaskGraph graph;
+  TaskIndex container = 0;
+  std::vector<plan::Omitted> omitted;
+};
+/// `warnings` are stored in the container's provenance.
+BakeGraph makeBakeGraph(const BakeContext& context, const std::vector<Warning>& warnings);
+
+struct SectionSize {
+  std::string type;
+  uint64_t stored_bytes = 0, raw_bytes = 0;  // in the file, and decoded
+};
+/// Sizes of the sections of a container, in its order. Throws format::ContainerError.
+std::vector<SectionSize> sectionSizes(const Bytes& container);
+
+}  // namespace lightwell::bake

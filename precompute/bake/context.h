@@ -1,0 +1,56 @@
+// The heavy immutable things that tasks share: derived once per process from the scene's bytes and the settings, the same everywhere.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "precompute/atlas/atlas.h"
+#include "precompute/atlas/validity.h"
+#include "precompute/bake/executor.h"
+#include "precompute/plan/plan.h"
+#include "precompute/trace/tracer.h"
+
+namespace lightwell::bake {
+
+/// Where the work comes from. `lights`, when given, replaces the scene's punctual lights.
+struct SceneSource {
+  std::filesystem::path scene;
+  std::optional<std::filesystem::path> lights;
+};
+
+class BakeContext {
+ public:
+  /// Imports the scene, lays out the atlas, builds the tracer and finds buried texels. `stage`, if set, is called with the name of each
+  /// stage before it begins. Throws InputError, UsageError or Cancelled. `diagnostics` receives the repairs in a deterministic order.
+  BakeContext(const SceneSource& source, const plan::Settings& settings, int threads, Diagnostics& diagnostics, const CancelFlag& cancel,
+              const std::function<void(const std::string&)>& stage = {});
+
+  const scene::Scene& scene() const { return scene_; }
+  /// Empty (0 × 0) when the scene has no surfaces.
+  const atlas::Atlas& atlas() const { return atlas_; }
+  /// Null when the scene has no surfaces.
+  const trace::Tracer* tracer() const { return tracer_.get(); }
+  const plan::Settings& settings() const { return settings_; }
+  const plan::SceneFacts& facts() const { return facts_; }
+
+  /// Hash of surfaces, materials and textures as imported, and of the settings that shape the atlas: all that light transport depends on.
+  const Key& surfaceKey() const { return surface_key_; }
+  /// Hash of the punctual lights and of the scene's place in the world.
+  const Key& lightKey() const { return light_key_; }
+  /// Wall-clock seconds of the stages.
+  const std::vector<PhaseTime>& stageTimes() const { return stage_times_; }
+
+ private:
+  scene::Scene scene_;
+  atlas::Atlas atlas_;
+  std::unique_ptr<trace::Tracer> tracer_;
+  plan::Settings settings_;
+  plan::SceneFacts facts_;
+  Key surface_key_, light_key_;
+  std::vector<PhaseTime> stage_times_;
+};
+
+}  // namespace lightwell::bake

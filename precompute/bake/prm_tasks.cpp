@@ -1,0 +1,93 @@
+#include "precompute/bake/prm_tasks.h"
+
+#include <algorithm>
+
+namespace lightwell::bake {
+namespace {
+
+// Elements of a stage in one task: a few tenths of a second of work. Part of what names a task, never of what it computes.
+constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 16;
+
+/// Every setting that some stage's bytes depend on.
+std::string parametersOf(const BakeContext& context, const transport::PrmSettings& s) {
+  std::string text = context.surfaceKey().hex();
+  const auto add = [&](auto value) { text += ' ' + std::to_string(value); };
+  add(int(s.layout)), add(int(s.estimator));
+  add(s.entries.clusters), add(s.entries.groups), add(s.entries.points_per_cluster), add(s.entries.points_per_group), add(s.entries.seed);
+  add(s.bases.block_texels), add(s.bases.most_rank), add(s.bases.rank_error), add(s.bases.link_error), add(s.bases.rays);
+  add(s.group_rays), add(s.training_lights), add(s.emitter_samples), add(s.walks_per_entry), add(s.seed);
+  return text;
+}
+
+std::vector<ByteView> viewsOf(std::span<const Blob> blobs) {
+  std::vector<ByteView> views;
+  for (const auto& blob : blobs) views.emplace_back(*blob);
+  return views;
+}
+
+}  // namespace
+
+transport::PrmSettings prmSettings(const plan::Settings& settings) {
+  transport::PrmSettings prm;
+  prm.seed = prm.entries.seed = settings.seed;
+  switch (settings.quality) {
+    case plan::Quality::draft:
+      prm.entries.clusters = 2048, prm.entries.groups = 384;
+      prm.group_rays = 256, prm.bases.rays = 128, prm.training_lights = 96, prm.emitter_samples = 16;
+      prm.bases.rank_error = 0.04f, prm.bases.link_error = 0.02f;
+      break;
+    case plan::Quality::preview:
+      prm.entries.clusters = 4096, prm.entries.groups = 768;
+      prm.group_rays = 512, prm.bases.rays = 256, prm.training_lights = 160, prm.emitter_samples = 32;
+      break;
+    case plan::Quality::production: break;  // the estimator's defaults
+  }
+  return prm;
+}
+
+PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, std::shared_ptr<const transport::PrmBaker> baker) {
+  const transport::PrmSettings settings = prmSettings(context.settings());
+  const std::string parameters = parametersOf(context, settings);
+  // One task for each piece of [0, count); `stage` is called with the ends of the piece.
+  const auto addRange = [&](const std::string& name, uint32_t count, uint32_t piece, double cost_each, const std::vector<TaskIndex>& inputs,
+                            const auto& stage) {
+    std::vector<TaskIndex> tasks;
+    for (uint32_t first = 0; first < count; first += piece) {
+      const uint32_t end = std::min(count, first + piece);
+      tasks.push_back(graph.add({"prm/" + name + "/" + std::to_string(first / piece), name, "prm/" + name,
+                                 parameters + " [" + std::to_string(first) + ", " + std::to_string(end) + ")", inputs, cost_each * (end - first),
+                                 [stage, first, end](const TaskInputs& in) { return stage(first, end, in); }}));
+    }
+    return tasks;
+  };
+  PrmTasks tasks{baker, {}, {}};
+  const double entries = settings.entries.clusters * double(settings.entries.points_per_cluster);
+  const auto bounces = addRange("bounces", baker->groupCount(), kGroupsPerTask, settings.group_rays, {},
+                                [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->oneBounce(first, end); });
+  const auto training = addRange("training", baker->trainingLightCount(), kLightsPerTask, entries, {},
+                                 [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->trainingDirect(first, end); });
+  if (baker->hasEmitters())
+    tasks.emitter = addRange("emitters", baker->sideCount(), kSidesPerTask, 2.0 * settings.emitter_samples, {},
+                             [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->emitterDirect(first, end); });
+
+  std::vector<TaskIndex> solve_inputs = bounces;
+  solve_inputs.insert(solve_inputs.end(), training.begin(), training.end());
+  solve_inputs.insert(solve_inputs.end(), tasks.emitter.begin(), tasks.emitter.end());
+  const double groups = baker->groupCount();
+  const TaskIndex solve = graph.add(
+      {"prm/solve", "solve", "prm/solve", parameters, solve_inputs, std::max(1.0, groups * groups * groups * 1e-3),
+       [baker, bounces = bounces.size(), training = training.size()](const TaskInputs& in) {
+         const auto views = viewsOf(in.inputs);
+         const std::span<const ByteView> all(views);
+         return baker->solve(all.first(bounces), all.subspan(bounces, training), all.subspan(bounces + training));
+       }});
+  tasks.blocks = addRange("fit", baker->blockCount(), kBlocksPerTask, double(settings.bases.block_texels) * settings.bases.rays, {solve},
+                          [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fit(first, end, *in.inputs[0]); });
+  return tasks;
+}
+
+transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter) {
+  return tasks.baker->assemble(viewsOf(blocks), viewsOf(emitter));
+}
+
+}  // namespace lightwell::bake

@@ -1,0 +1,25 @@
+// The stages of a PRM bake as tasks of the graph.
+#pragma once
+#include <memory>
+
+#include "precompute/bake/context.h"
+#include "precompute/transport/prm/bake_prm.h"
+
+namespace lightwell::bake {
+
+/// The estimator's settings for a bake's settings.
+transport::PrmSettings prmSettings(const plan::Settings& settings);
+
+/// What the section "prm" is assembled from. Outlives the graph's run.
+struct PrmTasks {
+  std::shared_ptr<const transport::PrmBaker> baker;
+  std::vector<TaskIndex> blocks, emitter;  // outputs of fit and of emitterDirect, in range order
+};
+
+/// Adds the tasks up to the fitted blocks. `context` must have a tracer and outlive the graph; `baker` was made with prmSettings().
+PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, std::shared_ptr<const transport::PrmBaker> baker);
+
+/// Joins their outputs.
+transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter);
+
+}  // namespace lightwell::bake

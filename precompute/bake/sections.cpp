@@ -1,0 +1,176 @@
+#include "precompute/bake/sections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "format/decode/pixel.h"
+
+namespace lightwell::bake {
+namespace {
+
+using format::ElementType;
+
+template <class Repeated, class Vector>
+void setVector(Repeated* field, const Vector& v) {
+  for (int i = 0; i < 3; ++i) field->Add(v[i]);
+}
+
+std::vector<float> toMetres(const std::vector<Vec3>& positions, double metres_per_unit) {
+  std::vector<float> metres;
+  metres.reserve(positions.size() * 3);
+  for (const auto& p : positions)
+    for (int i = 0; i < 3; ++i) metres.push_back(float(p[i] * metres_per_unit));
+  return metres;
+}
+
+std::vector<int16_t> toOctahedral(const std::vector<Vec3>& normals) {
+  std::vector<int16_t> packed;
+  packed.reserve(normals.size() * 2);
+  for (const auto& n : normals) {
+    const auto oct = format::packOct({n.x, n.y, n.z});
+    packed.push_back(oct.x);
+    packed.push_back(oct.y);
+  }
+  return packed;
+}
+
+uint32_t toRgb9e5(const Rgb& c) { return format::packRgb9e5({c.x, c.y, c.z}); }
+std::vector<uint32_t> toRgb9e5(const std::vector<Rgb>& colors) {
+  std::vector<uint32_t> packed(colors.size());
+  std::transform(colors.begin(), colors.end(), packed.begin(), [](const Rgb& c) { return toRgb9e5(c); });
+  return packed;
+}
+
+void addPanes(format::Writer& writer, const transport::PrmResult& prm) {
+  writer.add("prm", "pane", toRgb9e5(prm.panes.irradiance_rgb), {prm.entries.clusterCount(), prm.texel.size()}, ElementType::rgb9e5);
+}
+
+/// Basis values to 1/127; coefficients to 16 bits with a scale for each block, basis map and channel.
+void addLocalBases(format::Writer& writer, const transport::PrmLocalBases& bases) {
+  std::vector<int8_t> basis(bases.basis.size());
+  std::transform(bases.basis.begin(), bases.basis.end(), basis.begin(),
+                 [](float v) { return int8_t(std::lround(std::clamp(v, -1.0f, 1.0f) * 127.0f)); });
+  std::vector<float> scale;
+  std::vector<int16_t> coefficient(bases.coefficient.size());
+  size_t first = 0;
+  for (size_t block = 0; block < bases.block_rank.size(); ++block) {
+    const size_t columns = size_t(bases.block_rank[block]) * 3;
+    const size_t links = bases.block_first_link[block + 1] - bases.block_first_link[block];
+    for (size_t column = 0; column < columns; ++column) {
+      float largest = 0;
+      for (size_t link = 0; link < links; ++link) largest = std::max(largest, std::abs(bases.coefficient[first + link * columns + column]));
+      const float step = largest > 0 ? largest / 32767.0f : 1.0f;
+      for (size_t link = 0; link < links; ++link) {
+        const size_t i = first + link * columns + column;
+        coefficient[i] = int16_t(std::clamp(std::lround(bases.coefficient[i] / step), -32767l, 32767l));
+      }
+      scale.push_back(step);
+    }
+    first += links * columns;
+  }
+  writer.add("prm", "block_first_texel", bases.block_first_texel);
+  writer.add("prm", "block_rank", bases.block_rank);
+  writer.add("prm", "basis", basis);
+  writer.add("prm", "block_first_link", bases.block_first_link);
+  writer.add("prm", "link_cluster", bases.link_cluster);
+  writer.add("prm", "coefficient_scale", scale);
+  writer.add("prm", "coefficient", coefficient);
+}
+
+}  // namespace
+
+void addSceneSection(format::Writer& writer, const scene::Scene& scene) {
+  const double metres = scene.metres_per_unit;
+  v1::SceneHeader header;
+  setVector(header.mutable_origin(), scene.origin_m);
+  if (!scene.mesh.triangles.empty()) {
+    setVector(header.mutable_bounds_min(), Vec3(Vec3d(scene.bounds.min) * metres));
+    setVector(header.mutable_bounds_max(), Vec3(Vec3d(scene.bounds.max) * metres));
+  } else {
+    setVector(header.mutable_bounds_min(), Vec3(0.0f));
+    setVector(header.mutable_bounds_max(), Vec3(0.0f));
+  }
+  for (const auto& light : scene.lights) {
+    const bool directional = light.type == scene::LightType::directional;
+    v1::Light* out = header.add_lights();
+    out->set_type(directional ? v1::LIGHT_TYPE_DIRECTIONAL : light.type == scene::LightType::spot ? v1::LIGHT_TYPE_SPOT : v1::LIGHT_TYPE_POINT);
+    out->set_name(light.name);
+    setVector(out->mutable_position(), directional ? Vec3(0.0f) : Vec3(Vec3d(light.position) * metres));
+    setVector(out->mutable_direction(), light.direction);
+    setVector(out->mutable_intensity(), directional ? light.intensity : Vec3(Vec3d(light.intensity) * (metres * metres)));
+    if (light.type == scene::LightType::spot) {
+      out->set_inner_cone_angle(light.inner_cone_angle);
+      out->set_outer_cone_angle(light.outer_cone_angle);
+    }
+    if (!directional) out->set_range(float(light.range * metres));
+  }
+  writer.addSection("scene");
+  writer.addMessage("scene", "header", header);
+}
+
+void addAtlasSection(format::Writer& writer, const atlas::Atlas& atlas) {
+  const uint64_t width = atlas.width, height = atlas.height;
+  v1::AtlasHeader header;
+  header.set_width(atlas.width);
+  header.set_height(atlas.height);
+  header.set_covered_texels(uint32_t(atlas.slots.size()));
+  header.set_charts(atlas.chart_count);
+  header.set_unwrapped(atlas.unwrapped);
+  std::vector<uint8_t> coverage(width * height, 0), albedo(width * height * 3, 0);
+  std::vector<uint32_t> emission(width * height, 0);
+  bool emits = false;
+  for (size_t texel = 0; texel < width * height; ++texel) {
+    coverage[texel] = atlas.texel_slot[texel] != kNone;
+    const uint32_t source = atlas.source[texel];
+    if (source == kNone) continue;
+    const atlas::Slot& slot = atlas.slots[atlas.texel_slot[source]];
+    for (int i = 0; i < 3; ++i) albedo[texel * 3 + i] = format::encodeSrgb(slot.albedo_rgb[i]);
+    emission[texel] = toRgb9e5(slot.emitted_radiance_rgb);
+    emits |= emission[texel] != 0;
+  }
+  writer.addSection("atlas");
+  writer.addMessage("atlas", "header", header);
+  writer.add("atlas", "source", atlas.source, {height, width});
+  writer.add("atlas", "coverage", coverage, {height, width});
+  writer.add("atlas", "albedo", albedo, {height, width, 3});
+  if (emits) writer.add("atlas", "emission", emission, {height, width}, ElementType::rgb9e5);
+}
+
+void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, double metres_per_unit) {
+  const bool bases = !prm.bases.block_rank.empty();
+  const bool emitters = !prm.emitter_direct_rgb.empty();
+  v1::PrmHeader header;
+  header.set_layout(bases ? v1::PRM_LAYOUT_LOCAL_BASES : v1::PRM_LAYOUT_PANES);
+  header.set_entries(uint32_t(prm.entries.position.size()));
+  header.set_clusters(prm.entries.clusterCount());
+  header.set_texels(uint32_t(prm.texel.size()));
+  if (bases) {
+    header.set_blocks(uint32_t(prm.bases.block_rank.size()));
+    header.set_max_rank(*std::max_element(prm.bases.block_rank.begin(), prm.bases.block_rank.end()));
+  }
+  header.set_has_emitter(emitters);
+  const uint64_t entries = prm.entries.position.size();
+  writer.addSection("prm");
+  writer.addMessage("prm", "header", header);
+  writer.add("prm", "entry_position", toMetres(prm.entries.position, metres_per_unit), {entries, 3});
+  writer.add("prm", "entry_normal", toOctahedral(prm.entries.normal), {entries, 2});
+  writer.add("prm", "entry_weight", prm.entries.weight);
+  writer.add("prm", "cluster_first_entry", prm.entries.cluster_first_entry);
+  writer.add("prm", "texel", prm.texel);
+  if (bases)
+    addLocalBases(writer, prm.bases);
+  else
+    addPanes(writer, prm);
+  if (emitters) {
+    writer.add("prm", "emitter_direct", toRgb9e5(prm.emitter_direct_rgb), {}, ElementType::rgb9e5);
+    writer.add("prm", "emitter_indirect", toRgb9e5(prm.emitter_indirect_rgb), {}, ElementType::rgb9e5);
+  }
+}
+
+void addMetaSection(format::Writer& writer, const v1::MetaHeader& header) {
+  writer.addSection("meta", 1, false);
+  writer.addMessage("meta", "header", header);
+}
+
+}  // namespace lightwell::bake

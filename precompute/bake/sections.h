@@ -1,0 +1,22 @@
+// The sections of a container from the things of the bake. Element types and meanings: docs/format.md.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "format/encode/writer.h"
+#include "lightwell/v1/container.pb.h"
+#include "precompute/atlas/atlas.h"
+#include "precompute/scene/scene.h"
+#include "precompute/transport/prm/prm.h"
+
+namespace lightwell::bake {
+
+void addSceneSection(format::Writer& writer, const scene::Scene& scene);
+/// `scene` as buildAtlas left it: one vertex per atlas.uv.
+void addGeometrySection(format::Writer& writer, const scene::Scene& scene, const atlas::Atlas& atlas);
+void addAtlasSection(format::Writer& writer, const atlas::Atlas& atlas);
+/// `metres_per_unit` of the scene. Bases and coefficients are quantised here.
+void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, double metres_per_unit);
+void addMetaSection(format::Writer& writer, const v1::MetaHeader& header);
+
+}  // namespace lightwell::bake
