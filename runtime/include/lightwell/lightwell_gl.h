@@ -19,8 +19,8 @@
  * bindings; viewport; active texture unit; on units 0 to 5 the bindings of GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY, GL_TEXTURE_CUBE_MAP and
  * the sampler; GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD, the colour mask (of draw buffers 0 to 3 where the context
  * has them one by one); pixel pack and unpack buffer bindings and storage modes; on desktop GL also GL_COLOR_LOGIC_OP, the polygon mode
- * and clip distances 0 to 7. Viewports beyond the first are not preserved. Functions that create, upload or read clear GL's error flag;
- * the others never ask for it. A running query that counts samples or primitives counts ours.
+ * and clip distances 0 to 7. Viewports and scissor tests beyond the first are not preserved. Functions that create, upload or read clear
+ * GL's error flag; the others never ask for it. A running query that counts samples or primitives counts ours.
  *
  * Coordinates are the container's: metres relative to lw_scene_info.origin_m.
  */
@@ -163,20 +163,20 @@ typedef enum lw_glsl {
   /* vec3 lwAtlasIrradiance(sampler2D atlas, vec2 lightmap_uv): irradiance, safe beside texels without a value.
      vec3 lwDiffuseRadiance(vec3 albedo, vec3 irradiance): albedo / pi * E. */
   LW_GLSL_ATLAS = 1,
-  /* struct LwLight, and vec3 lwLightIrradiance(LwLight light, vec3 position, vec3 normal): the physics of lw_light. LwLight is
-     {vec4 position_range, direction_type, intensity; vec2 spot_scale_offset}; lw_gl_pack_light fills it. */
+  /* struct LwLight {vec4 position_range, direction_type, intensity, spot;} as lw_gl_pack_light fills it, and
+     vec3 lwLightIrradiance(LwLight light, vec3 position, vec3 normal): the physics of lw_light. */
   LW_GLSL_LIGHT = 2,
   /* vec3 lwLocalBasesIrradiance(vec2 lightmap_uv): bilinear reconstruction from four texels, without an atlas texture.
      Its uniforms are set by lw_gl_bind_local_bases. */
   LW_GLSL_LOCAL_BASES = 3
 } lw_glsl;
 
-/* GLSL source without a #version line, good for `#version 330 core` and `#version 300 es` alike; put it after your precision statements.
+/* GLSL source without a #version line, good for `#version 330 core` and `#version 300 es` alike; put it after your precision statements (on
+ * ES some set the default precision to highp).
  * Static storage; NULL for other values. */
 LW_API const char *lw_glsl_source(lw_glsl snippet);
 
-/* The 16 numbers of an LwLight: position_range[4], direction_type[4], intensity[4] (the last is not used), spot_scale_offset[2], two not
- * used. */
+/* The 16 numbers of an LwLight, in its order. LW_INVALID_ARGUMENT when the light's values are out of range. */
 LW_API lw_result lw_gl_pack_light(const lw_light *light, float packed[16]);
 
 /* Binds three textures to the units first_unit to first_unit + 2 and sets the uniforms of LW_GLSL_LOCAL_BASES in `program`. These

@@ -1,0 +1,53 @@
+#include "runtime/src/gl/api.h"
+
+#include <cstring>
+
+namespace lightwell::runtime::gl {
+namespace {
+
+template <class Function>
+bool loadFunction(const lw_gl_config& config, const char* name, Function& function) {
+  const lw_gl_proc address = config.loader(config.loader_user, name);
+  std::memcpy(&function, &address, sizeof function);
+  static_assert(sizeof function == sizeof address);
+  return address != nullptr;
+}
+
+}  // namespace
+
+lw_result Api::load(const lw_gl_config& config, const Host& host) {
+#define LW_GL_LOAD(result, name, parameters) \
+  if (!loadFunction(config, "gl" #name, name)) return host.fail(LW_GL_UNSUPPORTED, "the loader found no gl" #name);
+  LW_GL_FUNCTIONS(LW_GL_LOAD)
+  const auto* text = reinterpret_cast<const char*>(GetString(kVersion));
+  if (!text) return host.fail(LW_GL_UNSUPPORTED, "no OpenGL context is current");
+  embedded = std::strncmp(text, "OpenGL ES", 9) == 0;
+  int32_t major = 0, minor = 0;
+  GetIntegerv(kMajorVersion, &major);
+  GetIntegerv(kMinorVersion, &minor);
+  version = major * 10 + minor;
+  if (version < (embedded ? 30 : 33)) return host.fail(LW_GL_UNSUPPORTED, "OpenGL 3.3 or OpenGL ES 3.0 is needed; the context is %s", text);
+  if (embedded && version < 32) {
+    bool renders_floats = false;
+    int32_t count = 0;
+    GetIntegerv(kNumExtensions, &count);
+    for (int32_t i = 0; i < count && !renders_floats; ++i) {
+      const auto* extension = reinterpret_cast<const char*>(GetStringi(kExtensions, uint32_t(i)));
+      renders_floats = extension && std::strcmp(extension, "GL_EXT_color_buffer_float") == 0;
+    }
+    if (!renders_floats) return host.fail(LW_GL_UNSUPPORTED, "the context has no EXT_color_buffer_float");
+  }
+  indexed = !embedded || version >= 32;
+  if (indexed) {
+    LW_GL_INDEXED_FUNCTIONS(LW_GL_LOAD)
+  }
+  if (!embedded) {
+    LW_GL_DESKTOP_FUNCTIONS(LW_GL_LOAD)
+  }
+#undef LW_GL_LOAD
+  GetIntegerv(kMaxTextureSize, &max_texture_size);
+  GetIntegerv(kMaxArrayTextureLayers, &max_array_layers);
+  return LW_OK;
+}
+
+}  // namespace lightwell::runtime::gl

@@ -1,0 +1,53 @@
+// What is shared by everything of one GL context: functions, programs, samplers.
+#pragma once
+#include "runtime/src/gl/api.h"
+#include "runtime/src/gl/state.h"
+
+namespace lightwell::runtime::gl {
+
+/// A program and its uniforms, in the order of the names given to compile().
+struct Program {
+  static constexpr int kMaxUniforms = 10;
+  Name name = 0;
+  int32_t uniform[kMaxUniforms] = {};
+};
+
+}  // namespace lightwell::runtime::gl
+
+struct lw_gl {
+  using Program = lightwell::runtime::gl::Program;
+  lightwell::runtime::Host host;
+  lightwell::runtime::gl::Api api;
+  uint32_t vertex_array = 0;           // empty: vertices come from gl_VertexID
+  uint32_t shadow_sampler[2] = {};     // plain, reversed depth
+  Program entries, clusters, rank, select, panes, coefficients, reconstruct;
+
+  lw_result compilePrograms();
+};
+
+namespace lightwell::runtime::gl {
+
+// The uniforms of each program: indices into Program::uniform.
+namespace entries_uniform {
+enum { entries, light_count, accumulate, shadow, reversed, light, shadow_numbers, shadow_matrix };
+}
+namespace clusters_uniform {
+enum { clusters };
+}
+namespace rank_uniform {
+enum { clusters };
+}
+namespace select_uniform {
+enum { clusters, brightest, keep_energy };
+}
+namespace panes_uniform {
+enum { weights, selected, texels, emitters, max };
+}
+namespace coefficients_uniform {
+enum { blocks, quads };
+}
+namespace reconstruct_uniform {
+enum { quads, emitters, max };
+}
+
+}  // namespace lightwell::runtime::gl

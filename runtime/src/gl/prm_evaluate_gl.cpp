@@ -1,0 +1,166 @@
+// The weighted sum of panes, or of local bases, into the atlas texture; and reading results back for tools.
+#include <cstring>
+
+#include "runtime/src/gl/prm_gl.h"
+#include "runtime/src/prm.h"
+
+namespace lightwell::runtime::gl {
+namespace {
+
+/// Ranks the clusters and gathers the first K; see kSelect.
+void selectBrightest(const lw_gl_prm& prm, uint32_t brightest, bool keep_energy) {
+  const lw_gl& context = *prm.context;
+  const Api& api = context.api;
+  api.UseProgram(context.rank.name);
+  api.Uniform1i(context.rank.uniform[rank_uniform::clusters], int32_t(prm.clusters));
+  bindUnit(api, 0, kTexture2d, prm.cluster.texture);
+  drawInto(prm, prm.rank);
+  api.UseProgram(context.select.name);
+  api.Uniform1i(context.select.uniform[select_uniform::clusters], int32_t(prm.clusters));
+  api.Uniform1i(context.select.uniform[select_uniform::brightest], int32_t(brightest));
+  api.Uniform1i(context.select.uniform[select_uniform::keep_energy], keep_energy);
+  bindUnit(api, 1, kTexture2d, prm.rank.texture);
+  bindUnit(api, 2, kTexture2dArray, prm.pane_sum);
+  drawInto(prm, prm.selected);
+}
+
+void bindEmitters(const lw_gl_prm& prm) {
+  bindUnit(prm.context->api, 3, kTexture2d, prm.emitter_direct);
+  bindUnit(prm.context->api, 4, kTexture2d, prm.emitter_indirect);
+}
+
+void evaluatePanes(const lw_gl_prm& prm, const lw_prm_options& options, uint32_t emitters) {
+  const lw_gl& context = *prm.context;
+  const Api& api = context.api;
+  const bool selected = options.brightest && options.brightest < prm.clusters;
+  if (selected) selectBrightest(prm, options.brightest, options.keep_energy != 0);
+  const Program& program = context.panes;
+  api.UseProgram(program.name);
+  api.Uniform1i(program.uniform[panes_uniform::weights], int32_t(selected ? options.brightest : prm.clusters));
+  api.Uniform1i(program.uniform[panes_uniform::selected], selected);
+  api.Uniform1i(program.uniform[panes_uniform::texels], int32_t(prm.texels));
+  api.Uniform1i(program.uniform[panes_uniform::emitters], int32_t(emitters));
+  api.Uniform1f(program.uniform[panes_uniform::max], prm.max_value);
+  bindUnit(api, 0, kTexture2d, prm.texel_map);
+  bindUnit(api, 1, kTexture2d, selected ? prm.selected.texture : prm.cluster.texture);
+  bindUnit(api, 2, kTexture2dArray, prm.pane);
+  bindEmitters(prm);
+  drawInto(prm, prm.atlas);
+}
+
+void updateCoefficients(const lw_gl_prm& prm) {
+  const lw_gl& context = *prm.context;
+  const Api& api = context.api;
+  api.UseProgram(context.coefficients.name);
+  api.Uniform1i(context.coefficients.uniform[coefficients_uniform::blocks], int32_t(prm.blocks));
+  api.Uniform1i(context.coefficients.uniform[coefficients_uniform::quads], int32_t(prm.quads));
+  bindUnit(api, 0, kTexture2dArray, prm.block);
+  bindUnit(api, 1, kTexture2dArray, prm.link);
+  bindUnit(api, 2, kTexture2dArray, prm.coefficient);
+  bindUnit(api, 3, kTexture2d, prm.cluster.texture);
+  bindUnit(api, 4, kTexture2dArray, prm.scale);
+  drawInto(prm, prm.amount);
+}
+
+void reconstruct(const lw_gl_prm& prm, uint32_t emitters) {
+  const lw_gl& context = *prm.context;
+  const Api& api = context.api;
+  const Program& program = context.reconstruct;
+  api.UseProgram(program.name);
+  api.Uniform1i(program.uniform[reconstruct_uniform::quads], int32_t(prm.quads));
+  api.Uniform1i(program.uniform[reconstruct_uniform::emitters], int32_t(emitters));
+  api.Uniform1f(program.uniform[reconstruct_uniform::max], prm.max_value);
+  bindUnit(api, 0, kTexture2d, prm.texel_map);
+  bindUnit(api, 1, kTexture2dArray, prm.basis);
+  bindUnit(api, 2, kTexture2dArray, prm.amount.texture);
+  bindEmitters(prm);
+  drawInto(prm, prm.atlas);
+}
+
+/// Reads a float target as RGBA.
+lw_result readRgba(const lw_gl_prm& prm, const Target& target, float* rgba) {
+  const Api& api = prm.context->api;
+  const StateGuard guard(api);
+  api.clearErrors();
+  api.BindFramebuffer(kReadFramebuffer, target.framebuffer);
+  api.ReadPixels(0, 0, target.width, target.height, kRgba, kFloat, rgba);
+  const Enum error = api.GetError();
+  return error == kNoError ? LW_OK : prm.host.fail(LW_GL_FAILED, "reading back: GL error 0x%04x", error);
+}
+
+lw_result readRgb(const lw_gl_prm& prm, const Target& target, uint32_t count, float* rgb) {
+  Array<float> rgba;
+  if (!rgba.allocate(prm.host, size_t(target.width) * size_t(target.height) * 4))
+    return prm.host.fail(LW_OUT_OF_MEMORY, "no memory to read back %u values", count);
+  if (const lw_result result = readRgba(prm, target, rgba.data())) return result;
+  for (size_t i = 0; i < count; ++i) std::memcpy(rgb + i * 3, &rgba[i * 4], 3 * sizeof(float));
+  return LW_OK;
+}
+
+}  // namespace
+}  // namespace lightwell::runtime::gl
+
+using namespace lightwell::runtime;
+using namespace lightwell::runtime::gl;
+
+lw_result lw_gl_evaluate(lw_gl_prm* prm, const lw_prm_options* given) {
+  if (!prm) return LW_INVALID_ARGUMENT;
+  lw_prm_options options;
+  if (!resolveOptions(given, options)) return prm->host.fail(LW_INVALID_ARGUMENT, "lw_prm_options: a value is out of range");
+  const uint32_t emitters = prm->emitter_direct ? options.emitters : 0;
+  const StateGuard guard(prm->context->api);
+  if (prm->panes) {
+    evaluatePanes(*prm, options, emitters);
+  } else {
+    updateCoefficients(*prm);
+    reconstruct(*prm, emitters);
+  }
+  return LW_OK;
+}
+
+lw_result lw_gl_update_coefficients(lw_gl_prm* prm) {
+  if (!prm) return LW_INVALID_ARGUMENT;
+  if (prm->panes) return prm->host.fail(LW_INVALID_ARGUMENT, "panes have no coefficients");
+  const StateGuard guard(prm->context->api);
+  updateCoefficients(*prm);
+  return LW_OK;
+}
+
+lw_result lw_gl_bind_local_bases(lw_gl_prm* prm, uint32_t program, uint32_t first_unit) {
+  if (!prm || !program) return LW_INVALID_ARGUMENT;
+  if (prm->panes) return prm->host.fail(LW_INVALID_ARGUMENT, "panes have no local bases");
+  const Api& api = prm->context->api;
+  const int32_t location = api.GetUniformLocation(program, "lw_quads");
+  if (location < 0) return prm->host.fail(LW_NOT_FOUND, "the program does not use lwLocalBasesIrradiance");
+  int32_t previous_program = 0, active_texture = 0;
+  api.GetIntegerv(kCurrentProgram, &previous_program);
+  api.GetIntegerv(kActiveTexture, &active_texture);
+  api.UseProgram(program);
+  api.Uniform1i(location, int32_t(prm->quads));
+  const struct {
+    const char* sampler;
+    Enum target;
+    Name texture;
+  } textures[] = {{"lw_texel_map", kTexture2d, prm->texel_map}, {"lw_basis", kTexture2dArray, prm->basis}, {"lw_amount", kTexture2dArray, prm->amount.texture}};
+  uint32_t unit = first_unit;
+  for (const auto& t : textures) {
+    api.Uniform1i(api.GetUniformLocation(program, t.sampler), int32_t(unit));
+    bindUnit(api, unit, t.target, t.texture);
+    api.BindSampler(unit++, 0);
+  }
+  api.UseProgram(Name(previous_program));
+  api.ActiveTexture(Enum(active_texture));
+  return LW_OK;
+}
+
+lw_result lw_gl_read_entries(lw_gl_prm* prm, float* rgb) {
+  return prm && rgb ? readRgb(*prm, prm->entry[prm->current_entry], prm->entries, rgb) : LW_INVALID_ARGUMENT;
+}
+
+lw_result lw_gl_read_clusters(lw_gl_prm* prm, float* rgb) {
+  return prm && rgb ? readRgb(*prm, prm->cluster, prm->clusters, rgb) : LW_INVALID_ARGUMENT;
+}
+
+lw_result lw_gl_read_atlas(lw_gl_prm* prm, float* rgba) {
+  return prm && rgba ? readRgba(*prm, prm->atlas, rgba) : LW_INVALID_ARGUMENT;
+}

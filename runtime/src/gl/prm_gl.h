@@ -1,0 +1,45 @@
+// A precomputed radiance map on the GPU.
+#pragma once
+#include "runtime/src/gl/context.h"
+#include "runtime/src/gl/texture.h"
+
+struct lw_gl_prm {
+  using Name = lightwell::runtime::gl::Name;
+  using Target = lightwell::runtime::gl::Target;
+
+  lightwell::runtime::Host host;
+  lw_gl* context = nullptr;
+  bool panes = false;
+  uint32_t entries = 0, clusters = 0, texels = 0, blocks = 0, quads = 0;  // quads: of ranks, ceil(max_rank / 4)
+  uint32_t width = 0, height = 0;
+  uint64_t texture_bytes = 0;
+  bool owns_atlas = false;
+  float max_value = 0;               // of the atlas's format
+
+  Name entry_position = 0, entry_normal = 0;  // RGBA32F lists; the position's w is the weight
+  Name cluster_range = 0, pane_sum = 0;       // RG32UI, RGBA32F lists
+  Target entry[2];                            // irradiance; light after light they take turns
+  uint32_t current_entry = 0;
+  Target cluster;                             // mean irradiance, contribution
+
+  // RG32UI, width × height: what a texel shows. Panes: index of the value. Local bases: address of the basis, block. 0xffffffff: nothing.
+  Name texel_map = 0;
+  Name emitter_direct = 0, emitter_indirect = 0;  // RGB9E5, width × height; 0 without emitters
+  Target atlas;
+
+  Name pane = 0;                              // list [cluster][texel]
+  Target rank, selected;
+  lightwell::runtime::Array<float> pane_sum_rgb;  // [clusters][3]; empty for local bases
+
+  Name block = 0, link = 0, coefficient = 0, scale = 0, basis = 0;  // lists; see kCoefficients and kLocalBases
+  Target amount;                              // 4 layers
+};
+
+namespace lightwell::runtime::gl {
+
+/// Draws one triangle over the target with the program that is in use. Inside a StateGuard.
+void drawInto(const lw_gl_prm& prm, const Target& target);
+/// Makes `texture` what the sampler of this unit reads.
+void bindUnit(const Api& api, uint32_t unit, Enum target, Name texture);
+
+}  // namespace lightwell::runtime::gl

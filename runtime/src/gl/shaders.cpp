@@ -1,0 +1,314 @@
+#include "runtime/src/gl/shaders.h"
+
+namespace lightwell::runtime::gl::glsl {
+
+const char kVersionDesktop[] = "#version 330 core\n";
+const char kVersionEmbedded[] = R"(#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+precision highp sampler2DArray;
+precision highp sampler2DShadow;
+precision highp samplerCubeShadow;
+precision highp isampler2DArray;
+precision highp usampler2D;
+precision highp usampler2DArray;
+)";
+
+const char kAddress[] = R"(
+ivec3 lwAddress(int i) { return ivec3(i & 2047, (i >> 11) & 2047, i >> 22); }
+ivec2 lwPixel(int i) { return ivec2(i & 2047, i >> 11); }
+int lwIndex() { return int(gl_FragCoord.y) * 2048 + int(gl_FragCoord.x); }
+)";
+
+const char kVertex[] = R"(
+void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }
+)";
+
+const char kLight[] = R"(
+#ifdef GL_ES
+precision highp float;
+#endif
+struct LwLight { vec4 position_range, direction_type, intensity, spot; };
+vec3 lwLightIrradiance(LwLight light, vec3 position, vec3 normal) {
+  vec3 to_light = -light.direction_type.xyz;
+  float attenuation = 1.0;
+  if (light.direction_type.w < 2.5) {
+    to_light = light.position_range.xyz - position;
+    float square = dot(to_light, to_light);
+    if (!(square > 1e-36)) return vec3(0.0);
+    to_light /= sqrt(square);
+    attenuation = 1.0 / square;
+    if (light.position_range.w > 0.0) {
+      float fourth = square / (light.position_range.w * light.position_range.w);
+      attenuation *= clamp(1.0 - fourth * fourth, 0.0, 1.0);
+    }
+  }
+  if (light.direction_type.w > 1.5 && light.direction_type.w < 2.5) {
+    float edge = clamp(-dot(to_light, light.direction_type.xyz) * light.spot.x + light.spot.y, 0.0, 1.0);
+    attenuation *= edge * edge;
+  }
+  attenuation *= max(dot(to_light, normal), 0.0);
+  return min(light.intensity.rgb * attenuation, vec3(1e30));
+}
+)";
+
+const char kAtlas[] = R"(
+vec3 lwAtlasIrradiance(sampler2D atlas, vec2 lightmap_uv) {
+  vec4 value = texture(atlas, lightmap_uv);
+  return value.a > 0.0 ? value.rgb / value.a : vec3(0.0);
+}
+vec3 lwDiffuseRadiance(vec3 albedo, vec3 irradiance) { return albedo * irradiance * 0.31830988618; }
+)";
+
+// The amounts of rank r = 4 q + j of a block lie in layer j at index block * quads + q; the first one's alpha is the block's rank. The map
+// holds, per atlas texel, the address of its basis (four ranks in each RGBA) and its block.
+const char kLocalBases[] = R"(
+#ifdef GL_ES
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+precision highp sampler2DArray;
+#endif
+uniform usampler2D lw_texel_map;
+uniform sampler2DArray lw_basis;
+uniform sampler2DArray lw_amount;
+uniform int lw_quads;
+vec4 lwLocalBasesTexel(ivec2 texel) {
+  uvec2 entry = texelFetch(lw_texel_map, texel, 0).rg;
+  if (entry.r == 0xffffffffu) return vec4(0.0);
+  int address = int(entry.r), pixel = int(entry.g) * lw_quads;
+  vec3 sum = vec3(0.0);
+  int rank = 4;
+  for (int q = 0; q * 4 < rank; ++q) {
+    int basis_at = address + q, amount_at = pixel + q;
+    ivec2 at = ivec2(amount_at & 2047, amount_at >> 11);
+    vec4 first = texelFetch(lw_amount, ivec3(at, 0), 0);
+    if (q == 0) {
+      rank = int(first.a + 0.5);
+      if (rank == 0) break;
+    }
+    vec4 b = texelFetch(lw_basis, ivec3(basis_at & 2047, (basis_at >> 11) & 2047, basis_at >> 22), 0);
+    sum += b.r * first.rgb + b.g * texelFetch(lw_amount, ivec3(at, 1), 0).rgb + b.b * texelFetch(lw_amount, ivec3(at, 2), 0).rgb +
+           b.a * texelFetch(lw_amount, ivec3(at, 3), 0).rgb;
+  }
+  return vec4(max(sum, vec3(0.0)), 1.0);
+}
+vec3 lwLocalBasesIrradiance(vec2 lightmap_uv) {
+  ivec2 size = textureSize(lw_texel_map, 0), last = size - ivec2(1);
+  vec2 position = lightmap_uv * vec2(size) - vec2(0.5);
+  ivec2 corner = ivec2(floor(position));
+  vec2 f = position - vec2(corner);
+  ivec2 low = clamp(corner, ivec2(0), last), high = clamp(corner + ivec2(1), ivec2(0), last);
+  vec4 value = mix(mix(lwLocalBasesTexel(low), lwLocalBasesTexel(ivec2(high.x, low.y)), f.x),
+                   mix(lwLocalBasesTexel(ivec2(low.x, high.y)), lwLocalBasesTexel(high), f.x), f.y);
+  return value.a > 0.0 ? value.rgb / value.a : vec3(0.0);
+}
+)";
+
+const char kEntries[] = R"(
+uniform sampler2DArray u_position;
+uniform sampler2DArray u_normal;
+uniform sampler2D u_previous;
+uniform sampler2DShadow u_shadow_2d;
+uniform samplerCubeShadow u_shadow_cube;
+uniform sampler2DArray u_visibility;
+uniform int u_entries, u_light_count, u_accumulate, u_shadow, u_reversed;
+uniform vec4 u_light[64];  // 16 LwLights
+uniform vec4 u_shadow_numbers;  // near, far, depth bias, normal offset
+uniform mat4 u_shadow_matrix;
+out vec4 o_irradiance;
+
+float shadow2d(vec3 p) {
+  vec4 clip = u_shadow_matrix * vec4(p, 1.0);
+  if (clip.w <= 0.0) return 1.0;
+  vec3 at = clip.xyz / clip.w;
+  at.xy = at.xy * 0.5 + 0.5;
+  if (u_reversed == 0) at.z = at.z * 0.5 + 0.5;
+  if (any(lessThan(at, vec3(0.0))) || any(greaterThan(at, vec3(1.0)))) return 1.0;
+  at.z += u_reversed == 0 ? -u_shadow_numbers.z : u_shadow_numbers.z;
+  return textureLod(u_shadow_2d, at, 0.0);
+}
+
+float shadowCube(vec3 p) {
+  vec3 offset = p - u_light[0].xyz;
+  float z = max(max(abs(offset.x), abs(offset.y)), abs(offset.z));
+  float near = u_shadow_numbers.x, far = u_shadow_numbers.y;
+  if (z >= far) return 1.0;
+  float depth = far / (far - near) * (1.0 - near / max(z, near));
+  depth = u_reversed == 0 ? depth - u_shadow_numbers.z : 1.0 - depth + u_shadow_numbers.z;
+  return texture(u_shadow_cube, vec4(offset, depth));
+}
+
+void main() {
+  int i = lwIndex();
+  if (i >= u_entries) discard;
+  vec3 position = texelFetch(u_position, lwAddress(i), 0).xyz, normal = texelFetch(u_normal, lwAddress(i), 0).xyz;
+  vec3 sum = vec3(0.0);
+  for (int l = 0; l < u_light_count; ++l)
+    sum += lwLightIrradiance(LwLight(u_light[l * 4], u_light[l * 4 + 1], u_light[l * 4 + 2], u_light[l * 4 + 3]), position, normal);
+  vec3 moved = position + normal * u_shadow_numbers.w;
+  if (u_shadow == 1) sum *= shadow2d(moved);
+  else if (u_shadow == 2) sum *= shadowCube(moved);
+  else if (u_shadow == 3) sum *= texelFetch(u_visibility, lwAddress(i), 0).r;
+  if (u_accumulate != 0) sum += texelFetch(u_previous, lwPixel(i), 0).rgb;
+  o_irradiance = vec4(sum, 1.0);
+}
+)";
+
+const char kClusters[] = R"(
+uniform usampler2DArray u_range;      // first entry, entries
+uniform sampler2DArray u_position;    // weight in w
+uniform sampler2D u_entry;
+uniform sampler2DArray u_pane_sum;
+uniform int u_clusters;
+out vec4 o_cluster;                   // mean irradiance; contribution to the atlas
+void main() {
+  int c = lwIndex();
+  if (c >= u_clusters) discard;
+  uvec2 range = texelFetch(u_range, lwAddress(c), 0).rg;
+  vec3 sum = vec3(0.0);
+  for (int e = int(range.x), end = int(range.x + range.y); e < end; ++e)
+    sum += texelFetch(u_position, lwAddress(e), 0).w * texelFetch(u_entry, lwPixel(e), 0).rgb;
+  o_cluster = vec4(sum, dot(vec3(0.2126, 0.7152, 0.0722), sum * texelFetch(u_pane_sum, lwAddress(c), 0).rgb));
+}
+)";
+
+// Place in the order of contributions, by counting the greater ones.
+const char kRank[] = R"(
+uniform sampler2D u_cluster;
+uniform int u_clusters;
+out uint o_rank;
+void main() {
+  int c = lwIndex();
+  if (c >= u_clusters) discard;
+  float mine = texelFetch(u_cluster, lwPixel(c), 0).a;
+  uint rank = 0u;
+  for (int j = 0; j < u_clusters; ++j) {
+    float other = texelFetch(u_cluster, lwPixel(j), 0).a;
+    if (other > mine || (other == mine && j < c)) ++rank;
+  }
+  o_rank = rank;
+}
+)";
+
+// Pixel k < K: irradiance and number of the cluster in place k. Pixel K: the scale that keeps the energy of all.
+const char kSelect[] = R"(
+uniform sampler2D u_cluster;
+uniform usampler2D u_rank;
+uniform sampler2DArray u_pane_sum;
+uniform int u_clusters, u_brightest, u_keep_energy;
+out vec4 o_selected;
+void main() {
+  int k = lwIndex();
+  if (k > u_brightest) discard;
+  if (k < u_brightest) {
+    for (int c = 0; c < u_clusters; ++c) {
+      if (int(texelFetch(u_rank, lwPixel(c), 0).r) == k) {
+        o_selected = vec4(texelFetch(u_cluster, lwPixel(c), 0).rgb, float(c));
+        return;
+      }
+    }
+    o_selected = vec4(0.0);
+    return;
+  }
+  vec3 all = vec3(0.0), kept = vec3(0.0);
+  for (int c = 0; c < u_clusters; ++c) {
+    vec3 energy = texelFetch(u_cluster, lwPixel(c), 0).rgb * texelFetch(u_pane_sum, lwAddress(c), 0).rgb;
+    all += energy;
+    if (int(texelFetch(u_rank, lwPixel(c), 0).r) < u_brightest) kept += energy;
+  }
+  vec3 scale = vec3(1.0);
+  if (u_keep_energy != 0) {
+    if (kept.r > 0.0) scale.r = all.r / kept.r;
+    if (kept.g > 0.0) scale.g = all.g / kept.g;
+    if (kept.b > 0.0) scale.b = all.b / kept.b;
+  }
+  o_selected = vec4(scale, 0.0);
+}
+)";
+
+const char kPanes[] = R"(
+uniform usampler2D u_texel_map;       // index of the value that an atlas texel shows
+uniform sampler2D u_weight;           // all clusters, or the selected ones
+uniform sampler2DArray u_pane;
+uniform sampler2D u_emitter_direct, u_emitter_indirect;
+uniform int u_weights, u_selected, u_texels, u_emitters;
+uniform float u_max;
+out vec4 o_irradiance;
+void main() {
+  ivec2 texel = ivec2(gl_FragCoord.xy);
+  uint value = texelFetch(u_texel_map, texel, 0).r;
+  o_irradiance = vec4(0.0);
+  if (value == 0xffffffffu) return;
+  vec3 sum = vec3(0.0);
+  for (int w = 0; w < u_weights; ++w) {
+    vec4 weight = texelFetch(u_weight, lwPixel(w), 0);
+    if (weight.r + weight.g + weight.b == 0.0) continue;
+    int cluster = u_selected != 0 ? int(weight.a) : w;
+    sum += weight.rgb * texelFetch(u_pane, lwAddress(cluster * u_texels + int(value)), 0).rgb;
+  }
+  if (u_selected != 0) sum *= texelFetch(u_weight, lwPixel(u_weights), 0).rgb;
+  sum = max(sum, vec3(0.0));
+  if ((u_emitters & 1) != 0) sum += texelFetch(u_emitter_direct, texel, 0).rgb;
+  if ((u_emitters & 2) != 0) sum += texelFetch(u_emitter_indirect, texel, 0).rgb;
+  o_irradiance = vec4(min(sum, vec3(u_max)), 1.0);
+}
+)";
+
+// Four ranks of a block at once: they share the links and the clusters' light.
+const char kCoefficients[] = R"(
+uniform usampler2DArray u_block;        // first link, links, address of the first coefficient, rank
+uniform usampler2DArray u_link;
+uniform isampler2DArray u_coefficient;
+uniform sampler2D u_cluster;
+uniform sampler2DArray u_scale;         // [block][quad][4]
+uniform int u_blocks, u_quads;
+layout(location = 0) out vec4 o_amount0;
+layout(location = 1) out vec4 o_amount1;
+layout(location = 2) out vec4 o_amount2;
+layout(location = 3) out vec4 o_amount3;
+void main() {
+  int i = lwIndex();
+  if (i >= u_blocks * u_quads) discard;
+  int quad = i % u_quads;
+  uvec4 block = texelFetch(u_block, lwAddress(i / u_quads), 0);
+  int rank = int(block.w), first_rank = quad * 4, ranks = min(rank - first_rank, 4);
+  vec3 amount0 = vec3(0.0), amount1 = vec3(0.0), amount2 = vec3(0.0), amount3 = vec3(0.0);
+  if (ranks > 0) {
+    for (int l = 0, links = int(block.y); l < links; ++l) {
+      int cluster = int(texelFetch(u_link, lwAddress(int(block.x) + l), 0).r);
+      vec3 irradiance = texelFetch(u_cluster, lwPixel(cluster), 0).rgb;
+      if (irradiance.r + irradiance.g + irradiance.b == 0.0) continue;
+      int at = int(block.z) + l * rank + first_rank;
+      amount0 += irradiance * vec3(texelFetch(u_coefficient, lwAddress(at), 0).rgb);
+      if (ranks > 1) amount1 += irradiance * vec3(texelFetch(u_coefficient, lwAddress(at + 1), 0).rgb);
+      if (ranks > 2) amount2 += irradiance * vec3(texelFetch(u_coefficient, lwAddress(at + 2), 0).rgb);
+      if (ranks > 3) amount3 += irradiance * vec3(texelFetch(u_coefficient, lwAddress(at + 3), 0).rgb);
+    }
+  }
+  o_amount0 = vec4(amount0 * texelFetch(u_scale, lwAddress(i * 4), 0).rgb, float(rank));
+  o_amount1 = vec4(amount1 * texelFetch(u_scale, lwAddress(i * 4 + 1), 0).rgb, 0.0);
+  o_amount2 = vec4(amount2 * texelFetch(u_scale, lwAddress(i * 4 + 2), 0).rgb, 0.0);
+  o_amount3 = vec4(amount3 * texelFetch(u_scale, lwAddress(i * 4 + 3), 0).rgb, 0.0);
+}
+)";
+
+const char kReconstruct[] = R"(
+uniform sampler2D u_emitter_direct, u_emitter_indirect;
+uniform int u_emitters;
+uniform float u_max;
+out vec4 o_irradiance;
+void main() {
+  ivec2 texel = ivec2(gl_FragCoord.xy);
+  vec4 value = lwLocalBasesTexel(texel);
+  if (value.a > 0.0) {
+    if ((u_emitters & 1) != 0) value.rgb += texelFetch(u_emitter_direct, texel, 0).rgb;
+    if ((u_emitters & 2) != 0) value.rgb += texelFetch(u_emitter_indirect, texel, 0).rgb;
+    value.rgb = min(value.rgb, vec3(u_max));
+  }
+  o_irradiance = value;
+}
+)";
+
+}  // namespace lightwell::runtime::gl::glsl

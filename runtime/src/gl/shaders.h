@@ -1,0 +1,15 @@
+// GLSL sources. Each is put behind its version line by compileProgram, so that one text serves OpenGL 3.3 and OpenGL ES 3.0.
+#pragma once
+
+namespace lightwell::runtime::gl::glsl {
+
+/// Addresses in textures that hold a long list: 2048 to a row, 2048 rows to a layer.
+inline constexpr int kRow = 2048;
+
+extern const char kVersionDesktop[], kVersionEmbedded[];
+extern const char kAddress[];     // lwAddress, lwPixel, lwIndex
+extern const char kVertex[];      // one triangle over everything
+extern const char kLight[], kAtlas[], kLocalBases[];  // public snippets
+extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kCoefficients[], kReconstruct[];  // fragment shaders
+
+}  // namespace lightwell::runtime::gl::glsl
