@@ -13,6 +13,7 @@
 #include "precompute/scene/gltf/materials.h"
 #include "precompute/scene/gltf/nodes.h"
 #include "precompute/scene/gltf/primitive.h"
+#include "precompute/scene/gltf/skin.h"
 #include "precompute/scene/mesh_builder.h"
 #include "precompute/scene/normalization.h"
 
@@ -23,11 +24,15 @@ namespace {
 class Importer {
  public:
   Importer(const std::filesystem::path& file, Scene& scene, Diagnostics& diagnostics)
-      : document_(file, diagnostics), scene_(scene), diagnostics_(diagnostics), material_importer_(document_, scene.textures, diagnostics) {}
+      : document_(file, diagnostics), scene_(scene), diagnostics_(diagnostics),
+        material_importer_(document_, scene.textures, diagnostics) {}
 
   void run(const ImportOptions& options) {
-    const gltf::Placements placements = gltf::placeNodes(document_, diagnostics_);
-    for (const gltf::Placement& placement : placements.meshes) readMesh(placement);
+    gltf::Placements placements = gltf::placeNodes(document_, diagnostics_);
+    for (gltf::Placement& placement : placements.meshes) {
+      readMesh(placements, placement);
+      if (document_.element("nodes", placement.node).find("skin")) placement.world = gltf::Matrix();  // its joints place it
+    }
     if (not_surfaces_ > 0)
       diagnostics_.warn("meshes", std::to_string(not_surfaces_) + " primitives are points or lines, not surfaces, and are left out");
     const Frame frame = chooseFrame(placements.meshes);
@@ -54,27 +59,42 @@ class Importer {
     return materials_.emplace(index, std::move(added)).first->second;
   }
 
+  /// Meshes are shared between nodes, but for those that a node itself shapes: (mesh, node) or (mesh, kShared).
+  using MeshKey = std::pair<size_t, size_t>;
+  static constexpr size_t kShared = ~size_t(0);
+  static MeshKey meshKey(const gltf::Placement& placement) { return {placement.target, placement.posed ? placement.node : kShared}; }
+  const std::vector<gltf::Primitive>& primitives(const gltf::Placement& placement) const { return meshes_.at(meshKey(placement)); }
+
   /// Reads the primitives of the placement's mesh unless they are known, and counts what its instance adds.
-  void readMesh(const gltf::Placement& placement) {
-    auto known = meshes_.find(placement.target);
-    if (known == meshes_.end()) known = meshes_.emplace(placement.target, readPrimitives(placement)).first;
-    for (const gltf::Primitive& primitive : known->second) {
-      vertices_ += primitive.normals.empty() ? primitive.triangles.size() * 3 : primitive.positions.size();
-      triangles_ += primitive.triangles.size();
+  void readMesh(const gltf::Placements& placements, const gltf::Placement& placement) {
+    const MeshKey key = meshKey(placement);
+    const auto known = meshes_.find(key);
+    if (known != meshes_.end()) {
+      for (const gltf::Primitive& primitive : known->second) countInstance(primitive, placement);
+    } else {
+      meshes_.emplace(key, readPrimitives(placements, placement));
     }
+  }
+
+  void countInstance(const gltf::Primitive& primitive, const gltf::Placement& placement) {
+    vertices_ += primitive.normals.empty() ? primitive.triangles.size() * 3 : primitive.positions.size();
+    triangles_ += primitive.triangles.size();
     const auto check = [&](uint64_t count, uint64_t limit, const char* what) {
       if (count > limit)
-        throw InputError(document_.file(), placement.path, std::string("the scene has more ") + what + " than the limit of " + std::to_string(limit));
+        throw InputError(document_.file(), placement.path,
+                         std::string("the scene has more ") + what + " than the limit of " + std::to_string(limit));
     };
     check(vertices_, gltf::kMaxVertices, "vertices");
     check(triangles_, gltf::kMaxTriangles, "triangles");
   }
 
-  std::vector<gltf::Primitive> readPrimitives(const gltf::Placement& placement) {
-    const JsonValue mesh = document_.element("meshes", placement.target);
+  std::vector<gltf::Primitive> readPrimitives(const gltf::Placements& placements, const gltf::Placement& placement) {
+    const JsonValue node = document_.element("nodes", placement.node), mesh = document_.element("meshes", placement.target);
     const JsonValue json = mesh.at("primitives");
+    auto rest_pose = node.find("weights");
+    if (!rest_pose) rest_pose = mesh.find("weights");
     std::vector<double> weights;
-    if (const auto rest_pose = mesh.find("weights"))
+    if (rest_pose)
       for (size_t i = 0; i < rest_pose->size(); ++i) weights.push_back((*rest_pose)[i].number());
     std::vector<gltf::Primitive> primitives;
     for (size_t i = 0; i < json.size(); ++i) {
@@ -82,25 +102,35 @@ class Importer {
         ++not_surfaces_;
         continue;
       }
-      const gltf::ImportedMaterial& imported = material(gltf::materialIndex(document_, json[i])).imported;
-      gltf::WantedCoordinates wanted;
-      if (imported.base_coordinates) wanted.base = &*imported.base_coordinates;
-      if (imported.emissive_coordinates) wanted.emissive = &*imported.emissive_coordinates;
-      if (json[i].find("targets")) diagnostics_.warn(json[i].path(), "has morph targets; its rest pose is baked");
-      primitives.push_back(gltf::readPrimitive(document_, json[i], wanted, weights, diagnostics_));
+      primitives.push_back(readPrimitive(json[i], weights));
+      if (const auto skin = node.find("skin")) {
+        gltf::applySkin(document_, json[i], document_.element("skins", *skin), placements, primitives.back());
+        diagnostics_.warn(json[i].path(), "has a skin; its rest pose is baked");
+      }
+      countInstance(primitives.back(), placement);
     }
     return primitives;
+  }
+
+  gltf::Primitive readPrimitive(const JsonValue& json, const std::vector<double>& weights) {
+    const gltf::ImportedMaterial& imported = material(gltf::materialIndex(document_, json)).imported;
+    gltf::WantedCoordinates wanted;
+    if (imported.base_coordinates) wanted.base = &*imported.base_coordinates;
+    if (imported.emissive_coordinates) wanted.emissive = &*imported.emissive_coordinates;
+    if (json.find("targets")) diagnostics_.warn(json.path(), "has morph targets; its rest pose is baked");
+    return gltf::readPrimitive(document_, json, wanted, weights, diagnostics_);
   }
 
   Frame chooseFrame(const std::vector<gltf::Placement>& placements) const {
     Imath::Box3d bounds_m;
     for (const gltf::Placement& placement : placements)
-      for (const gltf::Primitive& primitive : meshes_.at(placement.target)) extend(bounds_m, primitive, placement);
+      for (const gltf::Primitive& primitive : primitives(placement)) extend(bounds_m, primitive, placement);
     if (!bounds_m.isEmpty()) {
       const Vec3d size = bounds_m.size();
       const double extent = std::max({size.x, size.y, size.z});
       if (extent > gltf::kMaxExtentM || (extent > 0 && extent < gltf::kMinExtentM))
-        throw InputError(document_.file(), "scenes", "the scene is absurdly large or small: its extent is " + std::to_string(extent) + " m");
+        throw InputError(document_.file(), "scenes",
+                         "the scene is absurdly large or small: its extent is " + std::to_string(extent) + " m");
     }
     return scene::chooseFrame(bounds_m);
   }
@@ -119,7 +149,7 @@ class Importer {
   void buildMesh(const std::vector<gltf::Placement>& placements, const Frame& frame) {
     MeshBuilder builder(scene_, frame);
     for (const gltf::Placement& placement : placements)
-      for (const gltf::Primitive& primitive : meshes_.at(placement.target))
+      for (const gltf::Primitive& primitive : primitives(placement))
         builder.add(primitive, placement.world, materials_.at(primitive.material).scene_index,
                     placement.path + "/" + primitive.path + placement.instance, placement.name);
     for (const Vec3& p : scene_.mesh.positions) scene_.bounds.extendBy(p);
@@ -131,7 +161,7 @@ class Importer {
   Diagnostics& diagnostics_;
   gltf::MaterialImporter material_importer_;
   std::map<size_t, KnownMaterial> materials_;
-  std::map<size_t, std::vector<gltf::Primitive>> meshes_;
+  std::map<MeshKey, std::vector<gltf::Primitive>> meshes_;
   uint64_t vertices_ = 0, triangles_ = 0;
   size_t not_surfaces_ = 0;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace lightwell::scene {
 namespace {
@@ -12,13 +13,17 @@ constexpr double kNarrowestEdge = 1e-3;  // radians between the inner and the ou
 }  // namespace
 
 void setIntensity(Light& light, const Vec3d& color, double intensity, const std::string& place, Diagnostics& diagnostics) {
-  const char* unit = light.type == LightType::directional ? " lx" : " cd";
+  const char* unit = light.type == LightType::directional ? "lx" : "cd";
   if (intensity < 0) {
     diagnostics.warn(place, "the intensity of the light is negative; taken as zero");
     intensity = 0;
   }
   if (std::min({color.x, color.y, color.z}) < 0) diagnostics.warn(place, "the colour of the light is negative; taken as zero there");
-  if (intensity > kImplausible) diagnostics.warn(place, "the light has " + std::to_string(intensity) + unit + ", which is implausible; are the light units right?");
+  if (intensity > kImplausible) {
+    char text[64];
+    std::snprintf(text, sizeof text, "the light has %.4g %s", intensity, unit);
+    diagnostics.warn(place, std::string(text) + ", which is implausible; are the light units right?");
+  }
   for (int c = 0; c < 3; ++c) {
     const double value = std::max(color[c], 0.0) * intensity;
     if (value > kLargest) diagnostics.warn(place, "the intensity of the light is absurd; limited");

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "precompute/scene/normal_transform.h"
+
 namespace lightwell::scene {
 namespace {
 
@@ -19,27 +21,6 @@ bool isDegenerate(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double double_area = doubleAreaNormal(a, b, c).length();
   return !(double_area > kMinDoubleArea && double_area > kMinRelativeHeight * longest2);
 }
-
-/// The transform of normals: the cofactors of the linear part, which is the inverse transpose times the determinant and exists even
-/// when there is no inverse. Its sign follows the winding, which is turned for mirroring transforms.
-struct NormalTransform {
-  explicit NormalTransform(const gltf::Matrix& m) {
-    const Vec3d x(m[0][0], m[0][1], m[0][2]), y(m[1][0], m[1][1], m[1][2]), z(m[2][0], m[2][1], m[2][2]);
-    row[0] = y.cross(z);
-    row[1] = z.cross(x);
-    row[2] = x.cross(y);
-    mirrored = x.dot(row[0]) < 0;
-  }
-  /// Unit, or zero when the transform flattens the direction.
-  Vec3 apply(const Vec3& n) const {
-    Vec3d result = double(n.x) * row[0] + double(n.y) * row[1] + double(n.z) * row[2];
-    const double length = result.length();
-    if (!(length > 0) || !std::isfinite(length)) return Vec3(0);
-    return Vec3(result * ((mirrored ? -1.0 : 1.0) / length));
-  }
-  Vec3d row[3];
-  bool mirrored;
-};
 
 /// The used vertices of a primitive, renumbered.
 struct Selection {
@@ -79,7 +60,8 @@ Selection selectUnshared(std::span<const Corners> triangles) {
 
 /// Appends the selected elements; `missing` stands for those of earlier or later objects without this attribute.
 template <typename T>
-void appendAttribute(std::vector<T>& attribute, const std::vector<T>& values, const Selection& selection, size_t first_vertex, const T& missing) {
+void appendAttribute(std::vector<T>& attribute, const std::vector<T>& values, const Selection& selection, size_t first_vertex,
+                     const T& missing) {
   if (values.empty() && attribute.empty()) return;
   attribute.resize(first_vertex, missing);
   for (const uint32_t v : selection.vertices) attribute.push_back(values.empty() ? missing : values[v]);
@@ -108,7 +90,7 @@ void MeshBuilder::add(const gltf::Primitive& primitive, const gltf::Matrix& worl
   kept.reserve(primitive.triangles.size());
   for (Corners t : primitive.triangles) {
     if (isDegenerate(positions[t[0]], positions[t[1]], positions[t[2]])) continue;
-    if (normal_transform.mirrored) std::swap(t[1], t[2]);
+    if (normal_transform.mirrored()) std::swap(t[1], t[2]);
     kept.push_back(t);
   }
   count(degenerate_, first_degenerate_, path, primitive.triangles.size() - kept.size());
@@ -155,7 +137,8 @@ void MeshBuilder::add(const gltf::Primitive& primitive, const gltf::Matrix& worl
   appendAttribute(mesh.emissive_uv, primitive.emissive_uv, selection, object.first_vertex, Vec2(0));
   appendAttribute(mesh.lightmap_uv, primitive.lightmap_uv, selection, object.first_vertex, Vec2(nan, nan));
   appendAttribute(mesh.colors, primitive.colors, selection, object.first_vertex, {1, 1, 1, 1});
-  for (const Corners& t : selection.triangles) mesh.triangles.push_back({t[0] + object.first_vertex, t[1] + object.first_vertex, t[2] + object.first_vertex});
+  const uint32_t base = object.first_vertex;
+  for (const Corners& t : selection.triangles) mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
   mesh.triangle_material.resize(mesh.triangles.size(), material);
   mesh.triangle_object.resize(mesh.triangles.size(), uint32_t(scene_.objects.size()));
   object.gltf_path = std::move(path);

@@ -15,6 +15,7 @@ Frame chooseFrame(const Imath::Box3d& bounds_m) {
   std::frexp(extent, &exponent);  // extent = m * 2^exponent with m in [1/2, 1)
   frame.origin_m = bounds_m.center();
   frame.metres_per_unit = std::ldexp(1.0, exponent - 4);
+  if (float(extent / 2 / frame.metres_per_unit) >= 8) frame.metres_per_unit *= 2;  // would be rounded up to 16
   return frame;
 }
 

@@ -94,7 +94,8 @@ SurfaceColor surfaceColor(const Scene& scene, uint32_t triangle, float u, float 
   if (material.base_color_texture != kNone)
     base = sampleTexture(scene.textures[material.base_color_texture], interpolate(mesh.base_uv, corners, u, v));
   SurfaceColor result;
-  for (int c = 0; c < 3; ++c) result.albedo_rgb[c] = std::clamp(material.base_color[c] * base[size_t(c)] * vertex_color[size_t(c)], 0.0f, kMaxAlbedo);
+  for (int c = 0; c < 3; ++c)
+    result.albedo_rgb[c] = std::clamp(material.base_color[c] * base[size_t(c)] * vertex_color[size_t(c)], 0.0f, kMaxAlbedo);
   result.emitted_radiance_rgb = material.emissive;
   if (material.emissive_texture != kNone) {
     const auto emission = sampleTexture(scene.textures[material.emissive_texture], interpolate(mesh.emissive_uv, corners, u, v));

@@ -65,7 +65,8 @@ struct Elements {
 };
 
 /// The elements that `place` (an accessor, or a part of its sparse object) puts into a buffer view. Fails at `reference`.
-Elements locate(Document& document, const JsonValue& reference, const JsonValue& place, size_t count, size_t element_bytes, bool may_interleave) {
+Elements locate(Document& document, const JsonValue& reference, const JsonValue& place, size_t count, size_t element_bytes,
+                bool may_interleave) {
   const BufferView view = document.view(place.at("bufferView"));
   const size_t offset = place.unsignedOr("byteOffset", 0);
   const size_t stride = may_interleave && view.stride != 0 ? view.stride : element_bytes;
@@ -98,7 +99,8 @@ void forEachElement(Document& document, const JsonValue& reference, const Access
   const Elements what = locate(document, reference, sparse->at("values"), count, element_bytes, false);
   for (size_t i = 0; i < count; ++i) {
     const size_t target = size_t(loadComponent(where.at(i), index_type));
-    if (target >= layout.count) indices.fail("element " + std::to_string(i) + " is " + std::to_string(target) + ", past the accessor's end");
+    if (target >= layout.count)
+      indices.fail("element " + std::to_string(i) + " is " + std::to_string(target) + ", past the accessor's end");
     visit(target, what.at(i));
   }
 }
@@ -126,6 +128,8 @@ AccessorLayout readLayout(const Document& document, const JsonValue& reference) 
   layout.count = accessor.at("count").unsignedInteger();
   layout.normalized = accessor.booleanOr("normalized", false);
   if (layout.count > 3 * kMaxTriangles) accessor.at("count").fail("is larger than the limit of " + std::to_string(3 * kMaxTriangles));
+  if (!accessor.find("bufferView") && layout.count > kMaxUnbackedElements)
+    accessor.at("count").fail("is absurd for an accessor without data");
   return layout;
 }
 

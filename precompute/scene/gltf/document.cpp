@@ -100,6 +100,7 @@ Document::Document(const std::filesystem::path& file, Diagnostics& diagnostics)
     binary_chunk_ = chunks.binary;
     has_binary_chunk_ = chunks.has_binary;
   }
+  while (!json.empty() && json.back() == 0) json = json.first(json.size() - 1);  // some exporters pad with zeros instead of blanks
   if (json.size() > kMaxJsonBytes) throw InputError(file_, "", "holds more than " + std::to_string(kMaxJsonBytes) + " bytes of JSON");
   json_ = parseJson(file_, {reinterpret_cast<const char*>(json.data()), json.size()});
   checkVersion(root());

@@ -40,7 +40,8 @@ double photometricFactor(LightType type, LightUnits units) {
   return 1;
 }
 
-std::vector<PlacedLight> readLights(Document& document, const std::vector<Placement>& placements, LightUnits units, Diagnostics& diagnostics) {
+std::vector<PlacedLight> readLights(Document& document, const std::vector<Placement>& placements, LightUnits units,
+                                    Diagnostics& diagnostics) {
   std::vector<PlacedLight> lights;
   if (placements.empty()) return lights;
   const JsonValue definitions = document.root().extension("KHR_lights_punctual")->at("lights");

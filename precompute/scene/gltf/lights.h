@@ -17,7 +17,8 @@ struct PlacedLight {
 
 /// The lights at their places. Negative colours and intensities, broken cones and ranges are repaired, implausible
 /// intensities reported. Throws InputError for values of a wrong type and unknown light types.
-std::vector<PlacedLight> readLights(Document& document, const std::vector<Placement>& placements, LightUnits units, Diagnostics& diagnostics);
+std::vector<PlacedLight> readLights(Document& document, const std::vector<Placement>& placements, LightUnits units,
+                                    Diagnostics& diagnostics);
 
 /// What an intensity of the file is multiplied by to give candela (point, spot) or lux (directional).
 ///

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "precompute/scene/gltf/files.h"
 #include "precompute/scene/gltf/image.h"
@@ -10,6 +9,8 @@
 
 namespace lightwell::scene::gltf {
 namespace {
+
+constexpr double kMaxRadiance = 1e20;  // keeps sums over a whole scene inside a float
 
 Texture::Wrap wrapMode(const JsonValue& sampler, const char* key) {
   switch (sampler.unsignedOr(key, 10497)) {
@@ -96,7 +97,8 @@ void MaterialImporter::importEmission(const JsonValue& json, ImportedMaterial& r
   for (size_t c = 0; c < 3; ++c) {
     const double radiance = factor[c] * strength;
     negative = negative || radiance < 0;
-    if (radiance > double(std::numeric_limits<float>::max()) * 1e-9) json.at("emissiveFactor").fail("gives an absurd radiance of " + std::to_string(radiance));
+    if (radiance > kMaxRadiance)
+      json.at("emissiveFactor").fail("gives an absurd radiance of " + std::to_string(radiance));
     result.material.emissive[int(c)] = float(std::max(radiance, 0.0));
   }
   if (negative) diagnostics_.warn(json.path() + ".emissiveFactor", "is negative; taken as zero");

@@ -85,16 +85,20 @@ std::vector<Matrix> readInstances(Document& document, const JsonValue& extension
     if (normalizeQuaternion(q)) ++repaired;
     instances[i] = compose(t, q, s);
   }
-  if (repaired > 0) diagnostics.warn(attributes.path() + ".ROTATION", std::to_string(repaired) + " rotations are not unit quaternions; normalised");
+  if (repaired > 0)
+    diagnostics.warn(attributes.path() + ".ROTATION",
+                     std::to_string(repaired) + " rotations are not unit quaternions; normalised");
   return instances;
 }
 
+/// A node still to be visited, and the world transform of its parent.
 struct Visit {
   size_t node;
   Matrix parent;
 };
 
-void placeNode(Document& document, const JsonValue& node, size_t index, const Matrix& world, Placements& placements, Diagnostics& diagnostics) {
+void placeNode(Document& document, const JsonValue& node, size_t index, const Matrix& world, Placements& placements,
+               Diagnostics& diagnostics) {
   Placement placement{index, 0, node.path(), "", node.stringOr("name", ""), world};
   if (const auto light = node.extension("KHR_lights_punctual")) {
     const auto lights = document.root().extension("KHR_lights_punctual");
@@ -104,11 +108,12 @@ void placeNode(Document& document, const JsonValue& node, size_t index, const Ma
   const auto mesh = node.find("mesh");
   if (!mesh) return;
   placement.target = mesh->index(document.count("meshes"), "meshes");
-  placement.skinned = node.find("skin").has_value();
+  placement.posed = node.find("skin") || node.find("weights");
   const auto instancing = node.extension("EXT_mesh_gpu_instancing");
   std::vector<Matrix> instances(1);
   if (instancing) instances = readInstances(document, *instancing, diagnostics);
-  if (placements.meshes.size() + instances.size() > kMaxInstances) node.fail("the scene has more instances than the limit of " + std::to_string(kMaxInstances));
+  if (placements.meshes.size() + instances.size() > kMaxInstances)
+    node.fail("the scene has more instances than the limit of " + std::to_string(kMaxInstances));
   for (size_t i = 0; i < instances.size(); ++i) {
     placement.world = instances[i] * world;
     if (instancing) placement.instance.assign(1, '#').append(std::to_string(i));
@@ -135,6 +140,7 @@ Matrix localTransform(const JsonValue& node, Diagnostics& diagnostics) {
 Placements placeNodes(Document& document, Diagnostics& diagnostics) {
   const size_t node_count = document.count("nodes");
   Placements placements;
+  placements.node_world.resize(node_count);
   std::vector<bool> visited(node_count, false);
   std::vector<Visit> stack;
   const auto push = [&](size_t node, const Matrix& parent, const JsonValue& reference) {
@@ -149,6 +155,7 @@ Placements placeNodes(Document& document, Diagnostics& diagnostics) {
     stack.pop_back();
     const JsonValue node = document.element("nodes", visit.node);
     const Matrix world = localTransform(node, diagnostics) * visit.parent;
+    placements.node_world[visit.node] = world;
     placeNode(document, node, visit.node, world, placements, diagnostics);
     if (const auto children = node.find("children"))
       for (size_t i = children->size(); i-- > 0;)  // the first child ends on top of the stack

@@ -2,6 +2,7 @@
 #pragma once
 #include <ImathMatrix.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,11 +22,12 @@ struct Placement {
   std::string instance;   // "#2" for instance 2 of EXT_mesh_gpu_instancing, else empty
   std::string name;       // of the node
   Matrix world;
-  bool skinned = false;
+  bool posed = false;     // the node itself shapes its mesh: by a skin or its own morph target weights
 };
 
 struct Placements {
   std::vector<Placement> meshes, lights;
+  std::vector<std::optional<Matrix>> node_world;  // of every node; nothing for nodes outside the scene
 };
 
 /// Walks the default scene (the first one when none is named; every root node, with a warning, when there is no scene at all). A node

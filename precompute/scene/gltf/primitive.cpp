@@ -157,7 +157,8 @@ Primitive readPrimitive(Document& document, const JsonValue& primitive, const Wa
   for (size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= count)
       (reference ? *reference : primitive)
-          .fail("index " + std::to_string(i) + " is " + std::to_string(indices[i]) + ", but there are " + std::to_string(count) + " vertices");
+          .fail("index " + std::to_string(i) + " is " + std::to_string(indices[i]) + ", but there are " + std::to_string(count) +
+                " vertices");
   // A Draco mesh comes as a list of faces whatever the mode says.
   const size_t mode = primitive.unsignedOr("mode", size_t(TopologyMode::triangles));
   result.triangles = triangulate(indices, source.draco() ? TopologyMode::triangles : TopologyMode(mode));

@@ -15,7 +15,8 @@ struct TextureCoordinates {
   size_t set = 0;  // TEXCOORD_n
   std::array<double, 2> offset{0, 0}, scale{1, 1};
   double rotation = 0;  // radians, counter-clockwise
-  /// KHR_texture_transform: translation * rotation * scale.
+  /// KHR_texture_transform: translation * rotation * scale; rotated counter-clockwise as seen with v pointing down, which is what
+  /// the extension's example (the lower left quadrant) and its renderers do.
   Vec2 apply(const Vec2& uv) const;
 };
 
