@@ -1,0 +1,55 @@
+// Random but sound containers with a precomputed radiance map, and their plain evaluation in double precision.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "lightwell/lightwell.h"
+
+namespace lightwell::test {
+
+enum class Layout { panes_rgb9e5, panes_half, bases_i8, bases_i16 };
+
+struct SyntheticOptions {
+  Layout layout = Layout::panes_rgb9e5;
+  uint32_t width = 24, height = 20;
+  uint32_t clusters = 40;
+  uint32_t blocks = 7, max_rank = 6;
+  bool emitters = true;
+  uint32_t seed = 1;
+};
+
+/// Everything that went into the container, decoded.
+struct SyntheticPrm {
+  SyntheticOptions options;
+  std::vector<uint8_t> container;
+  std::vector<uint32_t> source, texel;
+  std::vector<float> entry_position, entry_normal, entry_weight;
+  std::vector<uint32_t> cluster_first_entry;
+  std::vector<double> transport;  // [cluster][texel][3]
+  std::vector<double> emitter_direct, emitter_indirect;  // [texel][3]
+
+  uint32_t entries() const { return uint32_t(entry_weight.size()); }
+  /// The atlas [height][width][4] that the runtime promises.
+  std::vector<double> evaluate(const std::vector<float>& cluster_irradiance, uint32_t emitters = LW_EMITTERS_INDIRECT, uint32_t brightest = 0,
+                               bool keep_energy = true) const;
+};
+
+SyntheticPrm makeSyntheticPrm(const SyntheticOptions& options);
+
+/// [clusters][3]; about a third of the clusters is dark.
+std::vector<float> randomIrradiance(uint32_t clusters, uint32_t seed);
+
+/// rms(a − b) / rms(b).
+template <class A, class B>
+double relrmse(const A& a, const B& b) {
+  double difference = 0, sum = 0;
+  for (size_t i = 0; i < b.size(); ++i) {
+    difference += (double(a[i]) - double(b[i])) * (double(a[i]) - double(b[i]));
+    sum += double(b[i]) * double(b[i]);
+  }
+  return std::sqrt(difference / sum);
+}
+
+}  // namespace lightwell::test
