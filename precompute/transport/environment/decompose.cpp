@@ -1,0 +1,183 @@
+#include "precompute/transport/environment/decompose.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "precompute/core/error.h"
+#include "precompute/core/parallel.h"
+#include "precompute/transport/environment/seeding.h"
+#include "precompute/transport/environment/spherical_voronoi.h"
+
+namespace lightwell::transport {
+namespace {
+
+constexpr double kPiD = std::numbers::pi;
+constexpr int kRelaxationWidth = 512, kFastWidth = 256;
+constexpr int kRounds = 40, kFastRounds = 4;
+constexpr size_t kTexelsPerPiece = 16384;  // fixed, so that sums are formed in the same order for any number of threads
+
+/// Sums of `Sum::add(texel)` per label, with a summation order that does not depend on the threads.
+template <class Sum, class Add>
+std::vector<Sum> sumByLabel(size_t texels, size_t labels, int threads, const std::vector<uint32_t>& label, const Add& add) {
+  const size_t pieces = (texels + kTexelsPerPiece - 1) / kTexelsPerPiece;
+  std::vector<std::vector<Sum>> partial(pieces);
+  parallelFor(pieces, 1, threads, nullptr, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      partial[p].resize(labels);
+      for (size_t i = p * kTexelsPerPiece; i < std::min(texels, (p + 1) * kTexelsPerPiece); ++i)
+        if (label[i] != kNone) add(partial[p][label[i]], i);
+    }
+  });
+  std::vector<Sum> sums(labels);
+  for (const auto& piece : partial)
+    for (size_t s = 0; s < labels; ++s) sums[s] += piece[s];
+  return sums;
+}
+
+struct WeightSum {
+  double weight = 0, solid_angle = 0;
+  Vec3d moment{0, 0, 0};
+  void operator+=(const WeightSum& o) { weight += o.weight, solid_angle += o.solid_angle, moment += o.moment; }
+};
+
+struct CellSum {
+  std::array<double, 3> flux{};
+  double solid_angle = 0;
+  Vec3d power_moment{0, 0, 0}, area_moment{0, 0, 0};
+  void operator+=(const CellSum& o) {
+    for (size_t c = 0; c < 3; ++c) flux[c] += o.flux[c];
+    solid_angle += o.solid_angle, power_moment += o.power_moment, area_moment += o.area_moment;
+  }
+};
+
+struct SpreadSum {
+  double weight = 0, deficit = 0, xx = 0, xy = 0, yy = 0;
+  void operator+=(const SpreadSum& o) { weight += o.weight, deficit += o.deficit, xx += o.xx, xy += o.xy, yy += o.yy; }
+};
+
+Vec3 unitOr(const Vec3d& v, const Vec3& fallback) { return v.length() > 1e-12 ? Vec3(v.normalized()) : fallback; }
+
+/// The step in the power diagram's bias that brings a cell of share `share` near `target`: its rim, about 2πr long, moves by
+/// step / (distance of the seeds, 2r), so the share changes by about π · share / Ω · step.
+float capacityStep(double share, double target, double solid_angle) {
+  const double limit = 0.1 * solid_angle / kPiD;
+  return float(std::clamp(0.5 * (target - share) * solid_angle / (kPiD * std::max(share, 0.25 * target)), -limit, limit));
+}
+
+/// Moves seeds to the centroids of their cells' importance until they lie still. Cells that lost all texels vanish.
+void relax(const SkyGrid& grid, const std::vector<double>& importance, const DecompositionSettings& settings, int rounds,
+           const CancelFlag* cancel, std::vector<Vec3>& seed, std::vector<float>& bias) {
+  const SphericalVoronoi voronoi(grid);
+  std::vector<uint32_t> label;
+  for (int round = 0; round < rounds; ++round) {
+    if (cancel) cancel->check();
+    label = voronoi.assign(seed, bias, settings.threads);
+    const auto sums = sumByLabel<WeightSum>(grid.size(), seed.size(), settings.threads, label, [&](WeightSum& sum, size_t i) {
+      sum.weight += importance[i];
+      sum.solid_angle += grid.solid_angle_sr[i];
+      sum.moment += Vec3d(grid.direction[i]) * importance[i];
+    });
+    float moved = 0;
+    size_t kept = 0;
+    for (size_t s = 0; s < seed.size(); ++s) {
+      if (sums[s].weight <= 0) continue;
+      const Vec3 centroid = unitOr(sums[s].moment, seed[s]);
+      moved = std::max(moved, (centroid - seed[s]).length());
+      const float step = settings.capacity * capacityStep(sums[s].weight, 1.0 / double(seed.size()), sums[s].solid_angle);
+      bias[kept] = bias[s] + step;
+      seed[kept++] = centroid;
+    }
+    seed.resize(kept);
+    bias.resize(kept);
+    if (moved < 1e-5f && settings.capacity == 0) break;
+  }
+}
+
+/// What the container keeps of every label: exact sums, direction and spread of the power (of the area where a cell is black).
+EnvironmentCells summarise(const SkyGrid& grid, const std::vector<uint32_t>& label, size_t labels, int threads) {
+  const auto sums = sumByLabel<CellSum>(grid.size(), labels, threads, label, [&](CellSum& sum, size_t i) {
+    const Vec3d d(grid.direction[i]);
+    for (size_t c = 0; c < 3; ++c) sum.flux[c] += grid.flux_rgb[i][c];
+    sum.solid_angle += grid.solid_angle_sr[i];
+    sum.power_moment += d * luminance(grid.flux_rgb[i]);
+    sum.area_moment += d * grid.solid_angle_sr[i];
+  });
+  EnvironmentCells cells;
+  std::vector<Vec3> tangent(labels), bitangent(labels);
+  for (size_t s = 0; s < labels; ++s) {
+    const bool black = luminance(sums[s].flux) <= 0;
+    cells.direction.push_back(unitOr(black ? sums[s].area_moment : sums[s].power_moment, unitOr(sums[s].area_moment, Vec3(0, 1, 0))));
+    cells.flux_rgb.push_back({float(sums[s].flux[0]), float(sums[s].flux[1]), float(sums[s].flux[2])});
+    cells.solid_angle_sr.push_back(float(sums[s].solid_angle));
+    cells.cos_radius.push_back(float(1 - sums[s].solid_angle / (2 * kPiD)));
+    orthonormalBasis(cells.direction[s], tangent[s], bitangent[s]);
+  }
+  const auto spreads = sumByLabel<SpreadSum>(grid.size(), labels, threads, label, [&](SpreadSum& sum, size_t i) {
+    const uint32_t s = label[i];
+    const bool black = luminance(sums[s].flux) <= 0;
+    const double weight = black ? grid.solid_angle_sr[i] : luminance(grid.flux_rgb[i]);
+    // Offsets from the axis, not cosines: exact for a cell of one texel.
+    const Vec3d offset = Vec3d(grid.direction[i]) - Vec3d(cells.direction[s]);
+    const double x = offset.dot(Vec3d(tangent[s])), y = offset.dot(Vec3d(bitangent[s]));
+    const double own = grid.solid_angle_sr[i] / (4 * kPiD);  // a texel's own variance per axis, were it a small disc
+    sum.weight += weight;
+    sum.deficit += weight * (0.5 * offset.length2() + own);
+    sum.xx += weight * (x * x + own), sum.xy += weight * x * y, sum.yy += weight * (y * y + own);
+  });
+  for (const SpreadSum& sum : spreads) {
+    cells.spread.push_back(float(std::min(1.0, sum.deficit / sum.weight)));
+    cells.covariance.push_back({float(sum.xx / sum.weight), float(sum.xy / sum.weight), float(sum.yy / sum.weight)});
+  }
+  return cells;
+}
+
+/// Renumbers labels: suns keep theirs, the rest follow by falling luminance of their flux, empty ones vanish. Returns how many are left.
+size_t orderLabels(const SkyGrid& grid, size_t suns, size_t labels, int threads, std::vector<uint32_t>& label) {
+  const auto sums = sumByLabel<WeightSum>(grid.size(), labels, threads, label, [&](WeightSum& sum, size_t i) {
+    sum.weight += luminance(grid.flux_rgb[i]);
+    sum.solid_angle += grid.solid_angle_sr[i];
+  });
+  std::vector<uint32_t> order;
+  for (uint32_t s = 0; s < labels; ++s)
+    if (sums[s].solid_angle > 0) order.push_back(s);
+  std::stable_sort(order.begin() + long(suns), order.end(), [&](uint32_t a, uint32_t b) { return sums[a].weight > sums[b].weight; });
+  std::vector<uint32_t> rank(labels, kNone);
+  for (uint32_t r = 0; r < order.size(); ++r) rank[order[r]] = r;
+  for (uint32_t& l : label) l = rank[l];
+  return order.size();
+}
+
+}  // namespace
+
+Decomposition decompose(const SkyGrid& grid, const DecompositionSettings& settings, const CancelFlag* cancel) {
+  if (settings.samples < 1 || settings.samples > 4096) throw UsageError("an environment takes 1 to 4096 samples");
+  if (!(settings.capacity >= 0 && settings.capacity <= 1)) throw UsageError("the capacity weight of an environment lies between 0 and 1");
+  std::vector<std::vector<uint32_t>> suns = findSuns(grid, settings.suns);
+  if (suns.size() >= settings.samples) suns.resize(settings.samples - 1);
+  SkyGrid sky = grid;  // without the suns
+  Decomposition result;
+  result.label.assign(grid.size(), kNone);
+  for (uint32_t s = 0; s < suns.size(); ++s)
+    for (uint32_t i : suns[s]) {
+      result.label[i] = s;
+      sky.flux_rgb[i] = {};
+      sky.solid_angle_sr[i] = 0;
+    }
+  const SkyGrid coarse = reduceSkyGrid(sky, settings.fast ? kFastWidth : kRelaxationWidth);
+  const uint32_t wanted = settings.samples - uint32_t(suns.size());
+  const std::vector<double> importance = seedImportance(coarse, {}, wanted);
+  std::vector<Vec3> seed =
+      settings.fast ? bisectionSeeds(coarse, importance, wanted) : blueNoiseSeeds(coarse, importance, wanted, settings.seed);
+  std::vector<float> bias(seed.size(), 0.0f);
+  relax(coarse, importance, settings, settings.fast ? kFastRounds : kRounds, cancel, seed, bias);
+
+  const std::vector<uint32_t> nearest = SphericalVoronoi(grid).assign(seed, bias, settings.threads);
+  for (size_t i = 0; i < grid.size(); ++i)
+    if (result.label[i] == kNone) result.label[i] = nearest[i] + uint32_t(suns.size());
+  const size_t count = orderLabels(grid, suns.size(), suns.size() + seed.size(), settings.threads, result.label);
+  result.cells = summarise(grid, result.label, count, settings.threads);
+  result.cells.sun_count = uint32_t(suns.size());
+  return result;
+}
+
+}  // namespace lightwell::transport
