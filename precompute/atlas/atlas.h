@@ -54,7 +54,7 @@ struct Atlas {
 struct AtlasOptions {
   int size = 256;           // width = height
   int padding_texels = 2;   // at least so many free texels between generated charts, and between them and charts of the scene
-  float chart_normal_deviation = 0.7f;  // radians between any triangle of a generated chart and the chart's plane, in [0, 1.4]
+  float chart_normal_deviation = 0.7f;  // radians between triangles of a generated chart and its plane, in [0, 1.4]; leftovers 1.5 times
 };
 
 /// Uses TEXCOORD_1 where it is sound, exactly as given, else unwraps (reported); vertices of `scene.mesh` may be duplicated along chart
@@ -70,7 +70,8 @@ struct SurfacePoint {
   Vec3 normal;       // unit interpolated shading normal
   Vec3 geometric_normal;  // unit, front side
 };
-/// A point of the slot's surface, uniform in area for uniform `pick` in [0, 1) and `u` in [0, 1)²: `pick` chooses the patch, `u` the place in it.
+/// A point of the slot's surface, uniform in area for uniform `pick` in [0, 1) and `u` in [0, 1)²: `pick` chooses the patch, `u`
+/// the place in it.
 SurfacePoint sampleSlot(const scene::Mesh& mesh, const Atlas& atlas, const Slot& slot, float pick, const Vec2& u);
 /// The point at barycentrics (1 − u − v, u, v) of a triangle.
 SurfacePoint surfacePoint(const scene::Mesh& mesh, uint32_t triangle, float u, float v);

@@ -45,7 +45,9 @@ void findCharts(const scene::Mesh& mesh, Atlas& atlas) {
       const uint32_t a = welded[mesh.triangles[t][k]], b = welded[mesh.triangles[t][(k + 1) % 3]];
       if (a != b) edges.push_back({std::min(a, b), std::max(a, b), t});
     }
-  std::sort(edges.begin(), edges.end(), [](const Edge& l, const Edge& r) { return std::tie(l.a, l.b, l.triangle) < std::tie(r.a, r.b, r.triangle); });
+  std::sort(edges.begin(), edges.end(), [](const Edge& l, const Edge& r) {
+    return std::tie(l.a, l.b, l.triangle) < std::tie(r.a, r.b, r.triangle);
+  });
   DisjointSets sets(mesh.triangles.size());
   for (size_t i = 1; i < edges.size(); ++i)
     if (edges[i].sameAs(edges[i - 1])) sets.unite(edges[i].triangle, edges[i - 1].triangle);

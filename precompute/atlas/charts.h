@@ -4,8 +4,9 @@
 
 namespace lightwell::atlas {
 
-/// Sets Slot::chart and chart_count. Triangles are connected when they share an edge with equal positions and equal light-map coordinates at
-/// both ends; a texel of several charts belongs to the one with the largest area in it. Charts are numbered by their first slot.
+/// Sets Slot::chart and chart_count. Triangles are connected when they share an edge with equal positions and equal light-map
+/// coordinates at both ends; a texel of several charts belongs to the one with the largest area in it. Charts are numbered by their
+/// first slot.
 void findCharts(const scene::Mesh& mesh, Atlas& atlas);
 
 }  // namespace lightwell::atlas

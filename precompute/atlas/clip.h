@@ -22,7 +22,8 @@ struct ClipPolygon {
   double gridArea() const {
     double twice = 0;
     for (int i = 2; i < count; ++i)
-      twice += (vertex[i - 1].x - vertex[0].x) * (vertex[i].y - vertex[0].y) - (vertex[i].x - vertex[0].x) * (vertex[i - 1].y - vertex[0].y);
+      twice += (vertex[i - 1].x - vertex[0].x) * (vertex[i].y - vertex[0].y) -
+               (vertex[i].x - vertex[0].x) * (vertex[i - 1].y - vertex[0].y);
     return 0.5 * std::abs(twice);
   }
   /// Share of the whole triangle's area, in [0, 1]. Meaningful too where the triangle has no area in the grid.
@@ -45,7 +46,8 @@ struct CellRange {
 
 namespace detail {
 
-/// Sutherland and Hodgman, "Reentrant Polygon Clipping" (CACM 1974): the part with sign * coordinate ≥ sign * bound; the border belongs to it.
+/// Sutherland and Hodgman, "Reentrant Polygon Clipping" (CACM 1974): the part with sign * coordinate ≥ sign * bound; the border
+/// belongs to it.
 inline ClipPolygon clipHalfPlane(const ClipPolygon& polygon, double ClipVertex::*coordinate, double bound, double sign) {
   ClipPolygon result;
   for (int i = 0; i < polygon.count; ++i) {

@@ -46,7 +46,8 @@ std::vector<TexelPatch> clipTriangles(const scene::Mesh& mesh, const Atlas& atla
 
 }  // namespace
 
-void cornersInTexels(const scene::Mesh& mesh, const std::vector<Vec2>& uv, uint32_t triangle, int width, int height, ClipVertex (&corner)[3]) {
+void cornersInTexels(const scene::Mesh& mesh, const std::vector<Vec2>& uv, uint32_t triangle, int width, int height,
+                     ClipVertex (&corner)[3]) {
   static constexpr double kBarycentric[3][2] = {{0, 0}, {1, 0}, {0, 1}};
   for (int k = 0; k < 3; ++k) {
     const Vec2& p = uv[mesh.triangles[triangle][k]];

@@ -11,8 +11,11 @@
 namespace lightwell::atlas {
 namespace {
 
-constexpr double kSliver = 1e-5;        // height over longest edge below which float corners give no normal
-constexpr double kCornerRounding = 4e-6;  // internal units: two floats' rounding at the scene's extent of 16
+constexpr double kSliver = 1e-5;               // height over longest edge below which float corners give no normal
+constexpr double kCornerRounding = 4e-6;       // internal units: two floats' rounding at the scene's extent of 16
+constexpr size_t kMostPocketTriangles = 12;    // of leftovers between charts
+constexpr double kMostPocketShare = 0.1;       // of the area of the chart that takes the pocket in
+constexpr double kMostPocketDeviation = 1.2;   // radians
 
 struct Facet {
   std::array<Vec3d, 3> corner;
@@ -68,8 +71,8 @@ std::vector<Vec2d> convexHull(std::vector<Vec2d> points) {
   return hull;
 }
 
-/// Turns the chart so that its bounding box has the smallest area (one side of it lies along an edge of the hull; Freeman and Shapira 1975),
-/// the longer side along x, and moves it to the origin.
+/// Turns the chart so that its bounding box has the smallest area (one side of it lies along an edge of the hull; Freeman and
+/// Shapira 1975), the longer side along x, and moves it to the origin.
 void alignToSmallestBox(Chart& chart) {
   std::vector<Vec2d> points;
   points.reserve(chart.corners.size() * 3);
@@ -108,68 +111,124 @@ void alignToSmallestBox(Chart& chart) {
   chart.extent = high - low;
 }
 
-struct Candidate {
-  double distance;
-  uint32_t facet;
-  bool operator>(const Candidate& o) const { return distance != o.distance ? distance > o.distance : facet > o.facet; }
+class ChartGrower {
+ public:
+  ChartGrower(const scene::Mesh& mesh, const scene::Object& object, float normal_deviation)
+      : object_(object),
+        neighbours_(triangleAdjacency(mesh, object)),
+        cos_limit_(std::cos(double(normal_deviation))),
+        cos_pocket_limit_(std::min(cos_limit_, std::cos(std::min(1.5 * normal_deviation, kMostPocketDeviation)))),
+        facets_(facetsOf(mesh, object)),
+        cover_(cellSize(facets_), kCornerRounding),
+        chart_of_(object.triangle_count, kNone),
+        refused_by_(object.triangle_count, kNone) {}
+
+  std::vector<Chart> run() {
+    std::vector<uint32_t> seeds(facets_.size());
+    std::iota(seeds.begin(), seeds.end(), 0u);
+    std::stable_sort(seeds.begin(), seeds.end(), [&](uint32_t a, uint32_t b) {
+      return facets_[a].sliver != facets_[b].sliver ? facets_[b].sliver : facets_[a].area > facets_[b].area;
+    });
+    std::vector<Chart> charts;
+    for (uint32_t seed : seeds) {
+      if (chart_of_[seed] != kNone) continue;
+      Chart& chart = charts.emplace_back();
+      growFrom(seed, uint32_t(charts.size() - 1), chart);
+      alignToSmallestBox(chart);
+    }
+    return charts;
+  }
+
+ private:
+  struct Candidate {
+    double distance2;
+    uint32_t facet;
+    bool operator>(const Candidate& o) const { return distance2 != o.distance2 ? distance2 > o.distance2 : facet > o.facet; }
+  };
+
+  static std::vector<Facet> facetsOf(const scene::Mesh& mesh, const scene::Object& object) {
+    std::vector<Facet> facets(object.triangle_count);
+    for (uint32_t t = 0; t < object.triangle_count; ++t) facets[t] = facetOf(mesh, object.first_triangle + t);
+    return facets;
+  }
+  /// Bounds the grid cells over all triangles by a small multiple of their number, whatever their sizes and shapes.
+  static double cellSize(const std::vector<Facet>& facets) {
+    double area = 0, edge = 0;
+    for (const Facet& facet : facets) area += facet.area, edge += facet.longest_edge;
+    const double count = std::max<double>(1, double(facets.size()));
+    return std::max({std::sqrt(area / count), edge / count, 1e-6});
+  }
+
+  bool tryAdd(uint32_t t, uint32_t id, const Frame& frame, Chart& chart) {
+    PlanarTriangle projected;
+    for (int k = 0; k < 3; ++k) projected[k] = frame.project(facets_[t].corner[k]);
+    if (!cover_.tryAdd(projected)) return false;
+    chart_of_[t] = id;
+    chart.triangles.push_back(object_.first_triangle + t);
+    chart.corners.push_back(projected);
+    return true;
+  }
+
+  void growFrom(uint32_t seed, uint32_t id, Chart& chart) {
+    const Facet& seed_facet = facets_[seed];
+    const Frame frame = frameOf(seed_facet);
+    cover_.clear();
+    std::vector<uint32_t> border;  // triangles beside the chart whose normals deviate
+    double area = 0;
+    std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue;
+    queue.push({0, seed});
+    while (!queue.empty()) {
+      const uint32_t t = queue.top().facet;
+      queue.pop();
+      if (chart_of_[t] != kNone || refused_by_[t] == id) continue;
+      const bool faces = facets_[t].sliver || t == seed || facets_[t].normal.dot(seed_facet.normal) >= cos_limit_;
+      if (!faces || !tryAdd(t, id, frame, chart)) {
+        refused_by_[t] = id;
+        if (!faces) border.push_back(t);
+        continue;
+      }
+      area += facets_[t].area;
+      for (uint32_t next : neighbours_[t])
+        if (next != kNone && chart_of_[next] == kNone && refused_by_[next] != id)
+          queue.push({(facets_[next].centroid - seed_facet.centroid).length2(), next});
+    }
+    for (uint32_t t : border) absorbPocket(t, id, seed_facet, area, frame, chart);
+  }
+
+  /// Takes in the few triangles around `start` that this chart and earlier ones enclose, though they deviate a bit more: each would
+  /// be a chart of its own.
+  void absorbPocket(uint32_t start, uint32_t id, const Facet& seed_facet, double chart_area, const Frame& frame, Chart& chart) {
+    if (chart_of_[start] != kNone) return;
+    std::vector<uint32_t> pocket{start};
+    double area = 0;
+    for (size_t i = 0; i < pocket.size(); ++i) {
+      const Facet& facet = facets_[pocket[i]];
+      area += facet.area;
+      if (!facet.sliver && facet.normal.dot(seed_facet.normal) < cos_pocket_limit_) return;
+      for (uint32_t next : neighbours_[pocket[i]]) {
+        const bool is_new = next != kNone && chart_of_[next] == kNone && std::find(pocket.begin(), pocket.end(), next) == pocket.end();
+        if (is_new) pocket.push_back(next);
+      }
+      if (pocket.size() > kMostPocketTriangles) return;
+    }
+    if (area > kMostPocketShare * chart_area) return;
+    // In breadth-first order from the chart, so that what is taken stays connected when an overlap stops it.
+    for (uint32_t t : pocket)
+      if (!tryAdd(t, id, frame, chart)) return;
+  }
+
+  const scene::Object& object_;
+  std::vector<std::array<uint32_t, 3>> neighbours_;
+  double cos_limit_, cos_pocket_limit_;
+  std::vector<Facet> facets_;
+  PlanarCover cover_;
+  std::vector<uint32_t> chart_of_, refused_by_;  // per triangle of the object: chart numbers
 };
 
 }  // namespace
 
 std::vector<Chart> growCharts(const scene::Mesh& mesh, const scene::Object& object, float normal_deviation) {
-  const uint32_t count = object.triangle_count;
-  std::vector<Facet> facets(count);
-  double total_area = 0, total_edge = 0;
-  for (uint32_t t = 0; t < count; ++t) {
-    facets[t] = facetOf(mesh, object.first_triangle + t);
-    total_area += facets[t].area;
-    total_edge += facets[t].longest_edge;
-  }
-  const auto neighbours = triangleAdjacency(mesh, object);
-
-  std::vector<uint32_t> seeds(count);
-  std::iota(seeds.begin(), seeds.end(), 0u);
-  std::stable_sort(seeds.begin(), seeds.end(), [&](uint32_t a, uint32_t b) {
-    return facets[a].sliver != facets[b].sliver ? facets[b].sliver : facets[a].area > facets[b].area;
-  });
-
-  // This cell size bounds the cells over all triangles by a small multiple of their number, whatever their sizes and shapes.
-  const double cell_size = std::max({std::sqrt(total_area / count), total_edge / count, 1e-6});
-  PlanarCover cover(cell_size, kCornerRounding);
-  const double cos_limit = std::cos(double(normal_deviation));
-  std::vector<uint32_t> chart_of(count, kNone), refused_by(count, kNone);
-  std::vector<Chart> charts;
-  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue;
-  for (uint32_t seed : seeds) {
-    if (chart_of[seed] != kNone) continue;
-    const uint32_t id = uint32_t(charts.size());
-    Chart& chart = charts.emplace_back();
-    const Facet& seed_facet = facets[seed];
-    const Frame frame = frameOf(seed_facet);
-    cover.clear();
-    queue.push({0, seed});
-    while (!queue.empty()) {
-      const uint32_t t = queue.top().facet;
-      queue.pop();
-      if (chart_of[t] != kNone || refused_by[t] == id) continue;
-      const Facet& facet = facets[t];
-      const bool faces = facet.sliver || t == seed || facet.normal.dot(seed_facet.normal) >= cos_limit;
-      PlanarTriangle projected;
-      for (int k = 0; k < 3; ++k) projected[k] = frame.project(facet.corner[k]);
-      if (!faces || !cover.tryAdd(projected)) {
-        refused_by[t] = id;
-        continue;
-      }
-      chart_of[t] = id;
-      chart.triangles.push_back(object.first_triangle + t);
-      chart.corners.push_back(projected);
-      for (uint32_t next : neighbours[t])
-        if (next != kNone && chart_of[next] == kNone && refused_by[next] != id)
-          queue.push({(facets[next].centroid - seed_facet.centroid).length2(), next});
-    }
-    alignToSmallestBox(chart);
-  }
-  return charts;
+  return ChartGrower(mesh, object, normal_deviation).run();
 }
 
 }  // namespace lightwell::atlas

@@ -15,9 +15,10 @@ struct Chart {
   Vec2d extent{0, 0};                   // of the bounding box; the longer side first
 };
 
-/// Cuts the triangles of `object` into charts. A chart grows from its largest triangle to the nearest connected ones (vertices at one position
-/// are one) while their normals stay within `normal_deviation` (radians) of the seed's and the projections along it do not overlap.
-/// Slivers, whose normals mean nothing, join any chart. Deterministic.
+/// Cuts the triangles of `object` into charts. A chart grows from its largest triangle to the nearest connected ones (vertices at
+/// one position are one) while their normals stay within `normal_deviation` (radians) of the seed's and the projections along it do
+/// not overlap. A few triangles left over between charts may deviate by half more; slivers, whose normals mean nothing, join any
+/// chart. Deterministic.
 std::vector<Chart> growCharts(const scene::Mesh& mesh, const scene::Object& object, float normal_deviation);
 
 }  // namespace lightwell::atlas

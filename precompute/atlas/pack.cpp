@@ -122,7 +122,8 @@ TexelRect largestFreeRectangle(const std::vector<uint8_t>& free, int width, int 
 
 }  // namespace
 
-std::optional<Packing> packCharts(std::span<const Vec2d> extents, std::span<const TexelRect> bins, int padding, double most_texels_per_unit) {
+std::optional<Packing> packCharts(std::span<const Vec2d> extents, std::span<const TexelRect> bins, int padding,
+                                  double most_texels_per_unit) {
   double area = 0, texels = 0, longest = 0;
   for (const Vec2d& extent : extents) {
     area += extent.x * extent.y;

@@ -11,8 +11,8 @@ namespace {
 
 constexpr int64_t kAnyDistance = std::numeric_limits<int64_t>::max();
 
-/// Spreads seeds from texel to texel in order of distance: every texel takes the nearest seed that its neighbours know (dead reckoning on the
-/// eight-neighbourhood). Ties go to the lower seed, then the lower texel, so that the result is one and the same.
+/// Spreads seeds from texel to texel in order of distance: every texel takes the nearest seed that its neighbours know (dead
+/// reckoning on the eight-neighbourhood). Ties go to the lower seed, then the lower texel, so that the result is one and the same.
 class Spread {
  public:
   Spread(int width, int height) : width_(width), height_(height), seed_(size_t(width) * height, kNone) {}

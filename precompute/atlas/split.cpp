@@ -1,6 +1,7 @@
 #include "precompute/atlas/split.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lightwell::atlas {
 namespace {
@@ -33,7 +34,8 @@ std::vector<Vec2> splitAlongSeams(scene::Scene& scene, const std::vector<ObjectC
   std::vector<Vec2> uv;
   source.reserve(mesh.positions.size());
   uv.reserve(mesh.positions.size());
-  std::vector<uint32_t> new_vertex(mesh.positions.size(), kNone), owner(mesh.positions.size(), kNone);  // of each old vertex: latest copy, its chart
+  std::vector<uint32_t> new_vertex(mesh.positions.size(), kNone);  // of each old vertex: its latest copy
+  std::vector<uint32_t> owner(mesh.positions.size(), kNone);       // the chart of that copy
   uint32_t chart_id = 0;
   for (size_t i = 0; i < scene.objects.size(); ++i) {
     scene::Object& object = scene.objects[i];
@@ -41,8 +43,9 @@ std::vector<Vec2> splitAlongSeams(scene::Scene& scene, const std::vector<ObjectC
     for (uint32_t v = object.first_vertex; v < object.first_vertex + object.vertex_count; ++v) {
       new_vertex[v] = uint32_t(source.size());
       source.push_back(v);
-      const bool kept = objects[i].charts.empty() && !mesh.lightmap_uv.empty() && std::isfinite(mesh.lightmap_uv[v].x + mesh.lightmap_uv[v].y);
-      const Vec2 given = kept ? mesh.lightmap_uv[v] : Vec2(0, 0);
+      const bool keeps = objects[i].charts.empty() && !mesh.lightmap_uv.empty();
+      Vec2 given = keeps ? mesh.lightmap_uv[v] : Vec2(0, 0);
+      if (!std::isfinite(given.x + given.y)) given = Vec2(0, 0);
       uv.push_back(Vec2(std::clamp(given.x, 0.0f, 1.0f), std::clamp(given.y, 0.0f, 1.0f)));
     }
     if (objects[i].charts.empty()) {

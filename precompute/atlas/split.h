@@ -13,8 +13,9 @@ struct ObjectCharts {
   std::vector<Placement> placements;
 };
 
-/// Gives every vertex its coordinates in an atlas of size × size texels: those of its chart, or TEXCOORD_1 clamped to [0, 1]. A vertex of several charts is duplicated, within the
-/// vertex range of its object; triangles and objects of `scene` are updated. Vertices of no triangle get (0, 0).
+/// Gives every vertex its coordinates in an atlas of size × size texels: those of its chart, or TEXCOORD_1 clamped to [0, 1]. A
+/// vertex of several charts is duplicated, within the vertex range of its object; triangles and objects of `scene` are updated.
+/// Vertices of no triangle get (0, 0).
 std::vector<Vec2> splitAlongSeams(scene::Scene& scene, const std::vector<ObjectCharts>& objects, int size);
 
 }  // namespace lightwell::atlas

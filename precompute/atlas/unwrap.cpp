@@ -35,7 +35,8 @@ void reportProblems(const scene::Scene& scene, const UvCheck& check, Diagnostics
   }
 }
 
-void grow(const scene::Scene& scene, const std::vector<size_t>& objects, const AtlasOptions& options, int threads, std::vector<ObjectCharts>& grown) {
+void grow(const scene::Scene& scene, const std::vector<size_t>& objects, const AtlasOptions& options, int threads,
+          std::vector<ObjectCharts>& grown) {
   const float deviation = std::clamp(options.chart_normal_deviation, 0.0f, 1.4f);
   parallelFor(objects.size(), 1, threads, nullptr, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -84,8 +85,9 @@ std::vector<Vec2> layOut(scene::Scene& scene, const UvCheck& check, const AtlasO
   if (any_sound) {
     const double given_density = std::sqrt(check.sound_uv_area_texels / check.sound_area);
     const auto free = freeRectangles(check.occupied, size, size, padding);
-    if (pack(unsound, free, padding, given_density * kLeastShareOfGivenDensity, given_density, grown)) return splitAlongSeams(scene, grown, size);
-    diagnostics.warn(scene.file, "the free space between the given light-map coordinates is too small for the generated ones at an atlas size of " +
+    if (pack(unsound, free, padding, given_density * kLeastShareOfGivenDensity, given_density, grown))
+      return splitAlongSeams(scene, grown, size);
+    diagnostics.warn(scene.file, "the given light-map coordinates leave too little room for the generated ones at a size of " +
                                      std::to_string(size) + ": all light-map coordinates were generated anew");
     grow(scene, all, options, threads, grown);
   }
@@ -93,9 +95,10 @@ std::vector<Vec2> layOut(scene::Scene& scene, const UvCheck& check, const AtlasO
     size_t charts = 0;
     for (const ObjectCharts& object : grown) charts += object.charts.size();
     const int smallest = smallestAtlas(charts, padding, kLargestAtlas);
-    throw InputError(scene.file, "", plural(charts, "chart") + " do not fit into a light map of " + std::to_string(size) + " x " + std::to_string(size) +
-                                         " texels; " + (smallest <= kLargestAtlas ? "the smallest that would do is " + std::to_string(smallest)
-                                                                                  : "not even " + std::to_string(kLargestAtlas) + " would do"));
+    const std::string advice = smallest <= kLargestAtlas ? "the smallest size that would do is " + std::to_string(smallest)
+                                                         : "not even a size of " + std::to_string(kLargestAtlas) + " would do";
+    throw InputError(scene.file, "",
+                     plural(charts, "chart") + " do not fit into a light map of size " + std::to_string(size) + "; " + advice);
   }
   return splitAlongSeams(scene, grown, size);
 }

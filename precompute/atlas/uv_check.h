@@ -19,8 +19,9 @@ struct UvCheck {
   double sound_area = 0;            // of the sound objects, internal units²
 };
 
-/// Checks every object. Overlap is judged at the resolution of the atlas: triangles may share a texel at their borders, but where more than a
-/// whole texel's area lies on one texel, something lies over something else. Of two objects over one another the first one counts as sound.
+/// Checks every object. Overlap is judged at the resolution of the atlas: triangles may share a texel at their borders, but where
+/// more than a whole texel's area lies on one texel, something lies over something else. Of two objects over one another the first
+/// one counts as sound.
 UvCheck checkLightmapUv(const scene::Scene& scene, int width, int height);
 
 }  // namespace lightwell::atlas

@@ -10,8 +10,8 @@ struct ValidityReport {
   uint32_t unfilled = 0;  // buried slots of charts without a single valid slot; they keep their own value
 };
 
-/// Casts a few rays per slot over the hemisphere of its normal. Rewrites Atlas::source so that buried slots and gutters show the nearest valid
-/// texel of their chart. Deterministic for `seed`. Slots stay in Atlas::slots.
+/// Casts a few rays per slot over the hemisphere of its normal. Rewrites Atlas::source so that buried slots and gutters show the
+/// nearest valid texel of their chart. Deterministic for `seed`. Slots stay in Atlas::slots.
 ValidityReport fillInvalid(Atlas& atlas, const scene::Scene& scene, const trace::Tracer& tracer, uint64_t seed, int threads,
                            const CancelFlag* cancel);
 

@@ -87,7 +87,8 @@ TEST(Coverage, RandomSoupKeepsItsAreaAndCoversEveryPoint) {
     Vec3 p[3];
     const Vec2 base(unit(random), unit(random));
     for (int k = 0; k < 3; ++k) {
-      uv[k] = Vec2(std::clamp(base.x + size * (unit(random) - 0.5f), 0.0f, 1.0f), std::clamp(base.y + size * (unit(random) - 0.5f), 0.0f, 1.0f));
+      const auto near = [&](float coordinate) { return std::clamp(coordinate + size * (unit(random) - 0.5f), 0.0f, 1.0f); };
+      uv[k] = Vec2(near(base.x), near(base.y));
       p[k] = Vec3(unit(random), unit(random), unit(random)) * size;
     }
     builder.triangle(p, uv);
