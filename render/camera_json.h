@@ -17,7 +17,7 @@
 
 namespace lightwell::render {
 
-/// Throws CameraError naming the file, the key and the reason.
+/// Throws FileError naming the file, the key and the reason.
 View readCamera(const std::filesystem::path& file);
 /// The same from text; `file` only names it in errors.
 View parseCamera(std::string_view json, const std::string& file);

@@ -15,10 +15,10 @@ class RenderError : public std::runtime_error {
   lw_result result;
 };
 
-/// A camera file was rejected: which file, which key, why.
-class CameraError : public std::runtime_error {
+/// A camera or lights file was rejected: which file, which key, why.
+class FileError : public std::runtime_error {
  public:
-  CameraError(const std::string& file, const std::string& place, const std::string& reason)
+  FileError(const std::string& file, const std::string& place, const std::string& reason)
       : std::runtime_error(file + (place.empty() ? "" : ": " + place) + ": " + reason), file(file), place(place), reason(reason) {}
   std::string file, place, reason;
 };

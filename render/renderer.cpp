@@ -211,7 +211,7 @@ struct Renderer::Impl {
     glDepthMask(GL_TRUE);
   }
 
-  void draw(const View& view, GLuint framebuffer) {
+  void draw(const View& view, GLuint framebuffer, bool dither) {
     const float ev = view.exposure_ev ? *view.exposure_ev : meter(view);
     times = {};
     updateLight(view.part);
@@ -224,6 +224,7 @@ struct Renderer::Impl {
       glDisable(GL_CULL_FACE);
       tone_map_program.use();
       tone_map_program.set("radiance", 0);
+      tone_map_program.set("dither", dither ? 1.0f : 0.0f);
       bindTexture(0, GL_TEXTURE_2D, radiance);
       glBindVertexArray(no_attributes);
       glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -297,7 +298,7 @@ void Renderer::setLights(std::span<const lw_light> lights) {
 const std::vector<lw_light>& Renderer::lights() const { return impl_->lights; }
 const lw_scene_info& Renderer::sceneInfo() const { return impl_->mesh.info(); }
 bool Renderer::hasTransport() const { return impl_->transport != nullptr; }
-void Renderer::draw(const View& view, uint32_t framebuffer) { impl_->draw(view, framebuffer); }
+void Renderer::draw(const View& view, uint32_t framebuffer) { impl_->draw(view, framebuffer, true); }
 float Renderer::meterExposure(const View& view) { return impl_->meter(view); }
 void Renderer::measureTimes(bool on) { impl_->measure = on; }
 const FrameTimes& Renderer::times() const { return impl_->times; }
@@ -307,7 +308,7 @@ Image8 Renderer::render(const View& view) {
   const Framebuffer framebuffer = Framebuffer::make();
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, color, 0);
-  draw(view, framebuffer);
+  impl_->draw(view, framebuffer, false);
   Image8 image{view.width, view.height, std::vector<uint8_t>(size_t(view.width) * size_t(view.height) * 4)};
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);

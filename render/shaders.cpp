@@ -162,9 +162,11 @@ void main() {
 )";
 
 // The filmic curve is Stephen Hill's fit of the ACES reference rendering and output transforms; dividing by 0.6 keeps middle grey
-// where it is, as common viewers do. One least significant bit of triangular noise hides banding.
+// where it is, as common viewers do. `dither`: one least significant bit of triangular noise
+// hides banding on a screen; a PNG is better off without.
 const char* const kToneMapFragmentGlsl = R"(
 uniform sampler2D radiance;
+uniform float dither;
 out vec4 color;
 
 const mat3 kInput = mat3(0.59719, 0.07600, 0.02840, 0.35458, 0.90834, 0.13383, 0.04823, 0.01566, 0.83777);
@@ -188,7 +190,7 @@ float hash(uvec2 p) {
 void main() {
   uvec2 pixel = uvec2(gl_FragCoord.xy);
   vec3 encoded = encodeSrgb(filmic(texelFetch(radiance, ivec2(pixel), 0).rgb));
-  color = vec4(encoded + (hash(pixel) + hash(pixel + 7919u) - 1.0) / 255.0, 1.0);
+  color = vec4(encoded + dither * (hash(pixel) + hash(pixel + 7919u) - 1.0) / 255.0, 1.0);
 }
 )";
 

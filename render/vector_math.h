@@ -5,7 +5,8 @@
 
 namespace lightwell::render {
 
-using Float3 = std::array<float, 3>;
+/// A type of its own, so that its operators are found from any namespace.
+struct Float3 : std::array<float, 3> {};
 using Matrix4 = std::array<float, 16>;
 
 inline Float3 operator+(const Float3& a, const Float3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
