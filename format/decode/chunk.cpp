@@ -26,21 +26,38 @@ struct Scratch {
   ~Scratch() { release(allocator, memory); }
 };
 
-/// Gathers byte k of element i from planes[k * count + i].
-template <size_t Size>
-void joinPlanes(const uint8_t* __restrict planes, uint8_t* __restrict elements, size_t count) {
-  for (size_t i = 0; i < count; ++i)
-    for (size_t k = 0; k < Size; ++k) elements[i * Size + k] = planes[k * count + i];
+/// Puts together element i from its bytes planes[k * count + i], in the host's order.
+template <class Unsigned>
+Unsigned joinPlanes(const uint8_t* planes, size_t count, size_t i) {
+  Unsigned value = 0;
+  for (size_t k = 0; k < sizeof(Unsigned); ++k) value = Unsigned(value | Unsigned(planes[k * count + i]) << (8 * k));
+  return value;
 }
 
-/// In place: each element (little-endian) becomes the sum of itself and all before it, modulo 2^bits.
+/// `elements` need not be aligned.
 template <class Unsigned>
-void sumDifferences(uint8_t* elements, size_t count) {
+void decodePlanes(const uint8_t* __restrict planes, uint8_t* __restrict elements, size_t count) {
+  for (size_t i = 0; i < count; ++i) {
+    const Unsigned value = joinPlanes<Unsigned>(planes, count, i);
+    std::memcpy(elements + i * sizeof(Unsigned), &value, sizeof(Unsigned));
+  }
+}
+
+/// The same, each element the sum of itself and all before it, modulo 2^bits. One-byte elements may be decoded in place.
+template <class Unsigned>
+void decodeDeltaPlanes(const uint8_t* planes, uint8_t* elements, size_t count) {
   Unsigned sum = 0;
   for (size_t i = 0; i < count; ++i) {
-    sum = Unsigned(sum + loadLittle<Unsigned>(elements + i * sizeof(Unsigned)));
-    storeLittle(elements + i * sizeof(Unsigned), sum);
+    sum = Unsigned(sum + joinPlanes<Unsigned>(planes, count, i));
+    std::memcpy(elements + i * sizeof(Unsigned), &sum, sizeof(Unsigned));
   }
+}
+
+void decodeElements(Codec codec, size_t element_bytes, const uint8_t* planes, uint8_t* elements, size_t count) {
+  const bool delta = codec == Codec::zstd_delta_planes;
+  if (element_bytes == 1) decodeDeltaPlanes<uint8_t>(planes, elements, count);
+  else if (element_bytes == 2) (delta ? decodeDeltaPlanes<uint16_t> : decodePlanes<uint16_t>)(planes, elements, count);
+  else (delta ? decodeDeltaPlanes<uint32_t> : decodePlanes<uint32_t>)(planes, elements, count);
 }
 
 void toHostOrder(uint8_t* elements, size_t bytes, size_t element_bytes) {
@@ -74,31 +91,25 @@ Fault View::decode(const ChunkInfo& chunk, void* destination, size_t bytes) cons
   if (checksum(stored, stored_bytes) != chunk.checksum) return chunkFault(chunk, Status::bad_checksum, "checksum differs");
   if (const Fault fault = checkPadding(chunk)) return fault;
 
+  const size_t element_bytes = elementBytes(chunk.element);
   if (chunk.codec == Codec::raw) {
     if (in_place && bytes > 0) std::memcpy(out, stored, bytes);
-  } else {
-    if (!isSingleFrame(stored, stored_bytes, bytes))
-      return chunkFault(chunk, Status::bad_chunk, "not one zstd frame of the size that the shape gives");
-    const size_t element_bytes = elementBytes(chunk.element), elements = bytes / element_bytes;
-    const bool planes = element_bytes > 1 && chunk.codec != Codec::zstd;
-    Scratch plane_scratch{allocator_}, context_scratch{allocator_};
-    uint8_t* unpacked = planes ? plane_scratch.allocate(bytes) : out;
-    const size_t context_bytes = ZSTD_estimateDCtxSize();
-    void* context_memory = context_scratch.allocate(context_bytes);
-    if (!unpacked || !context_memory) return chunkFault(chunk, Status::out_of_memory, "no memory to decompress");
-    ZSTD_DCtx* context = ZSTD_initStaticDCtx(context_memory, context_bytes);
-    if (!context) return chunkFault(chunk, Status::invalid_argument, "the allocator's memory is not aligned");
-    if (ZSTD_decompressDCtx(context, unpacked, bytes, stored, stored_bytes) != bytes)
-      return chunkFault(chunk, Status::bad_chunk, "zstd cannot decompress it");
-    if (planes && element_bytes == 2) joinPlanes<2>(unpacked, out, elements);
-    if (planes && element_bytes == 4) joinPlanes<4>(unpacked, out, elements);
-    if (chunk.codec == Codec::zstd_delta_planes) {
-      if (element_bytes == 1) sumDifferences<uint8_t>(out, elements);
-      if (element_bytes == 2) sumDifferences<uint16_t>(out, elements);
-      if (element_bytes == 4) sumDifferences<uint32_t>(out, elements);
-    }
+    toHostOrder(out, bytes, element_bytes);
+    return {};
   }
-  toHostOrder(out, bytes, elementBytes(chunk.element));
+  if (!isSingleFrame(stored, stored_bytes, bytes))
+    return chunkFault(chunk, Status::bad_chunk, "not one zstd frame of the size that the shape gives");
+  Scratch plane_scratch{allocator_}, context_scratch{allocator_};
+  uint8_t* unpacked = element_bytes > 1 && chunk.codec != Codec::zstd ? plane_scratch.allocate(bytes) : out;
+  const size_t context_bytes = ZSTD_estimateDCtxSize();
+  void* context_memory = context_scratch.allocate(context_bytes);
+  if (!unpacked || !context_memory) return chunkFault(chunk, Status::out_of_memory, "no memory to decompress");
+  ZSTD_DCtx* context = ZSTD_initStaticDCtx(context_memory, context_bytes);
+  if (!context) return chunkFault(chunk, Status::invalid_argument, "the allocator's memory is not aligned");
+  if (ZSTD_decompressDCtx(context, unpacked, bytes, stored, stored_bytes) != bytes)
+    return chunkFault(chunk, Status::bad_chunk, "zstd cannot decompress it");
+  if (chunk.codec == Codec::zstd) toHostOrder(out, bytes, element_bytes);
+  else decodeElements(chunk.codec, element_bytes, unpacked, out, bytes / element_bytes);
   return {};
 }
 

@@ -1,6 +1,7 @@
 #include "format/encode/reader.h"
 
 #include <google/protobuf/message_lite.h>
+#include <google/protobuf/stubs/logging.h>
 
 #include <cerrno>
 #include <system_error>
@@ -54,6 +55,7 @@ std::string Reader::readBytes(std::string_view section, std::string_view name) c
 }
 
 void Reader::parse(std::string_view section, std::string_view name, google::protobuf::MessageLite& message) const {
+  const google::protobuf::LogSilencer silencer;  // the exception says it
   if (message.ParseFromString(readBytes(section, name))) return;
   const std::string place = std::string(section) + "/" + std::string(name);
   throw ContainerError(file_, makeFault(Status::bad_section, chunk(section, name).offset, "%s: not a valid message", place.c_str()));

@@ -1,6 +1,7 @@
 #include "format/encode/verify.h"
 
 #include <google/protobuf/message_lite.h>
+#include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -80,6 +81,7 @@ bool VerifyContext::decode(const ChunkInfo& chunk, void* destination) {
 bool VerifyContext::loadMessage(std::string_view section, std::string_view name, google::protobuf::MessageLite& message) {
   const auto bytes = load<uint8_t>(section, name, ElementType::bytes, {kAnyExtent});
   if (!bytes) return false;
+  const google::protobuf::LogSilencer silencer;  // the issue says it
   if (bytes->size() <= size_t(INT_MAX) && message.ParseFromArray(bytes->data(), int(bytes->size()))) return true;
   report(IssueId::message_invalid, section, name, "not a valid " + message.GetTypeName());
   return false;
@@ -106,6 +108,10 @@ bool VerifyContext::checkOffsets(const std::vector<uint32_t>& offsets, uint64_t 
 void VerifyContext::checkRemaining() {
   for (const SectionInfo& section : view_.sections())
     if (!section.known) note(IssueId::section_unknown, section.type, "", "of a later version: its values are not checked");
+  // A section that failed its checks was left halfway: what was not reached there is no news.
+  std::set<std::string, std::less<>> failed;
+  for (const Issue& issue : issues_)
+    if (!issue.note) failed.insert(issue.place.substr(0, issue.place.find('/')));
   std::vector<uint8_t> scratch;
   for (const ChunkInfo& chunk : view_.chunks()) {
     if (!decoded_.contains(&chunk)) {
@@ -118,7 +124,7 @@ void VerifyContext::checkRemaining() {
         note(IssueId::chunk_unknown, chunk.section, chunk.name, "coded in a way of a later version: only its checksum is checked");
       }
     }
-    if (chunk.decodable && !listed_.contains(&chunk) && view_.sections()[chunk.section_index].known)
+    if (chunk.decodable && !listed_.contains(&chunk) && view_.sections()[chunk.section_index].known && !failed.contains(chunk.section))
       note(IssueId::chunk_unknown, chunk.section, chunk.name, "not a chunk of this version: its values are not checked");
   }
 }

@@ -144,12 +144,15 @@ void verifyAtlas(VerifyContext& context) {
     return;
   }
   const auto source = context.load<uint32_t>(kSection, "source", {height, width});
-  const auto coverage = context.load<uint8_t>(kSection, "coverage", {height, width});
+  auto coverage = context.load<uint8_t>(kSection, "coverage", {height, width});
   const auto albedo = context.load<uint8_t>(kSection, "albedo", {height, width, 3});
   std::optional<std::vector<uint32_t>> emission;
   if (context.find(kSection, "emission")) emission = context.load<uint32_t>(kSection, "emission", ElementType::rgb9e5, {height, width});
 
-  if (coverage && context.checkEach(*coverage, IssueId::value_range, kSection, "coverage", "are neither 0 nor 1", [](uint8_t v) { return v > 1; })) {
+  if (coverage && !context.checkEach(*coverage, IssueId::value_range, kSection, "coverage", "are neither 0 nor 1",
+                                     [](uint8_t v) { return v > 1; }))
+    coverage.reset();
+  if (coverage) {
     const auto covered = uint64_t(std::count(coverage->begin(), coverage->end(), 1));
     if (covered != atlas.covered_texels())
       context.report(IssueId::header_value, kSection, "header", "covered_texels is " + std::to_string(atlas.covered_texels()) +

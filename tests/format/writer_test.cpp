@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <thread>
 
 #include "format/encode/atomic_file.h"
@@ -44,8 +45,12 @@ TEST(Writer, TakesTheSmallestCodec) {
   std::vector<uint32_t> offsets(5000);
   std::vector<float> smooth(5000);
   std::vector<uint8_t> noise(500);
-  for (uint32_t i = 0; i < 5000; ++i) offsets[i] = i * 17 + (i * i % 3), smooth[i] = std::sqrt(float(i + 1));
-  for (size_t i = 0; i < noise.size(); ++i) noise[i] = uint8_t(i * i * 2654435761u >> 13);
+  for (uint32_t i = 0; i < 5000; ++i) {
+    offsets[i] = i * 17 + (i * i % 3);
+    smooth[i] = std::sqrt(float(i + 1));
+  }
+  std::mt19937 random(1);
+  for (uint8_t& value : noise) value = uint8_t(random());
   writer.add("s", "offsets", offsets);
   writer.add("s", "smooth", smooth);
   writer.add("s", "noise", noise);
