@@ -1,0 +1,160 @@
+// The GL evaluator against the plain double-precision sum and against the CPU.
+#include "tests/runtime/gl_fixture.h"
+
+namespace lightwell::test {
+namespace {
+
+class GlEvaluate : public GlFixture {};
+LW_INSTANTIATE_GL(GlEvaluate);
+
+TEST_P(GlEvaluate, AgreesWithThePlainSumInEveryLayout) {
+  for (const Layout layout : {Layout::panes_rgb9e5, Layout::panes_half, Layout::bases_i8, Layout::bases_i16}) {
+    SyntheticOptions options;
+    options.layout = layout;
+    load(options);
+    const auto irradiance = randomIrradiance(options.clusters, 8);
+    for (const uint32_t format : {LW_GL_ATLAS_RGBA32F, LW_GL_ATLAS_RGBA16F}) {
+      const GlPrm gl_prm = upload(format);
+      ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
+      for (const uint32_t emitters : {0u, 1u, 2u, 3u}) {
+        lw_prm_options evaluate = LW_PRM_OPTIONS_INIT;
+        evaluate.emitters = emitters;
+        ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), &evaluate), LW_OK);
+        const auto atlas = readAtlas(gl_prm.get());
+        const auto expected = synthetic.evaluate(irradiance, emitters);
+        EXPECT_LT(relrmse(atlas, expected), format == LW_GL_ATLAS_RGBA32F ? 1e-5 : 1e-3) << int(layout);
+        for (size_t i = 3; i < atlas.size(); i += 4) ASSERT_EQ(atlas[i], float(expected[i]));
+      }
+    }
+  }
+}
+
+TEST_P(GlEvaluate, RanksTheBrightestAsTheCpuDoes) {
+  for (const Layout layout : {Layout::panes_rgb9e5, Layout::panes_half}) {
+    SyntheticOptions options;
+    options.layout = layout;
+    load(options);
+    const GlPrm gl_prm = upload();
+    std::vector<uint32_t> scratch(lw_prm_scratch_bytes(prm.get()) / 4);
+    std::vector<float> cpu(synthetic.source.size() * 4);
+    for (uint32_t seed = 0; seed < 5; ++seed) {
+      const auto irradiance = randomIrradiance(options.clusters, seed);
+      ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
+      for (const uint32_t brightest : {1u, 7u, 16u, 39u, 40u, 100u})
+        for (const uint32_t keep : {0u, 1u}) {
+          lw_prm_options evaluate = LW_PRM_OPTIONS_INIT;
+          evaluate.brightest = brightest;
+          evaluate.keep_energy = keep;
+          ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), &evaluate), LW_OK);
+          ASSERT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), &evaluate, scratch.data(), scratch.size() * 4, cpu.data()), LW_OK);
+          EXPECT_LT(relrmse(readAtlas(gl_prm.get()), cpu), 1e-5) << brightest;
+        }
+    }
+  }
+}
+
+TEST_P(GlEvaluate, FollowsLightsFromTheEntriesToTheAtlas) {
+  for (const Layout layout : {Layout::panes_rgb9e5, Layout::bases_i16}) {
+    SyntheticOptions options;
+    options.layout = layout;
+    load(options);
+    const GlPrm gl_prm = upload();
+    std::vector<lw_gl_light> lights;
+    std::vector<lw_light> plain;
+    for (int i = 0; i < 37; ++i) {  // more than two batches, of all types
+      lw_gl_light l = glPointLight(std::sin(float(i)) * 3, std::cos(float(i) * 1.3f) * 3, std::sin(float(i) * 0.7f) * 3, float(i + 1));
+      l.light.type = uint32_t(LW_LIGHT_POINT + i % 3);
+      l.light.range_m = i % 4 ? 0.0f : 5.0f;
+      l.light.inner_cone_angle_rad = 0.3f;
+      l.light.outer_cone_angle_rad = 1.2f;
+      l.light.intensity_rgb[1] *= 0.5f;
+      lights.push_back(l);
+      plain.push_back(l.light);
+    }
+    std::vector<float> entries(size_t(synthetic.entries()) * 3), clusters(size_t(options.clusters) * 3), gl_clusters(clusters.size());
+    for (const size_t count : {size_t(0), size_t(1), size_t(37), size_t(3)}) {
+      ASSERT_EQ(lw_prm_entry_irradiance(prm.get(), plain.data(), uint32_t(count), nullptr, nullptr, entries.data()), LW_OK);
+      ASSERT_EQ(lw_prm_cluster_irradiance(prm.get(), entries.data(), clusters.data()), LW_OK);
+      ASSERT_EQ(lw_gl_update_entries(gl_prm.get(), lights.data(), uint32_t(count)), LW_OK);
+      const auto gl_entries = readEntries(gl_prm.get());
+      ASSERT_EQ(lw_gl_read_clusters(gl_prm.get(), gl_clusters.data()), LW_OK);
+      if (!count) {
+        for (const float v : gl_entries) ASSERT_EQ(v, 0.0f);
+        for (const float v : gl_clusters) ASSERT_EQ(v, 0.0f);
+        continue;
+      }
+      EXPECT_LT(relrmse(gl_entries, entries), 1e-5);
+      EXPECT_LT(relrmse(gl_clusters, clusters), 1e-5);
+      ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
+      EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(clusters)), 0.002);
+    }
+  }
+}
+
+/// Lists longer than a row and than a layer of a texture (2048 and 2048²) keep their order.
+TEST_P(GlEvaluate, HandlesLongLists) {
+  SyntheticOptions options;
+  options.width = 150;
+  options.height = 140;
+  options.clusters = 600;  // 600 panes of about 8,400 texels: 5 million values
+  options.emitters = false;
+  load(options);
+  const auto irradiance = randomIrradiance(options.clusters, 3);
+  const GlPrm gl_prm = upload();
+  ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
+  ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
+  EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(irradiance)), 1e-5);
+  EXPECT_GT(lw_gl_prm_texture_bytes(gl_prm.get()), uint64_t(2048) * 2048 * 4);
+}
+
+TEST_P(GlEvaluate, WritesIntoTheCallersTexture) {
+  load({});
+  GLuint texture = 0;
+  glGenTextures(1, &texture);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, 64, 64, 0, GL_RGBA, GL_FLOAT, nullptr);
+  lw_gl_prm_options options = LW_GL_PRM_OPTIONS_INIT;
+  options.atlas_format = LW_GL_ATLAS_RGBA32F;
+  options.atlas_texture = texture;
+  lw_gl_prm* gl_prm = nullptr;
+  ASSERT_EQ(lw_gl_prm_create(gl, prm.get(), &options, &gl_prm), LW_OK);
+  EXPECT_EQ(lw_gl_prm_atlas_texture(gl_prm), texture);
+  const auto irradiance = randomIrradiance(synthetic.options.clusters, 8);
+  ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm, irradiance.data()), LW_OK);
+  ASSERT_EQ(lw_gl_evaluate(gl_prm, nullptr), LW_OK);
+  EXPECT_LT(relrmse(readAtlas(gl_prm), synthetic.evaluate(irradiance)), 1e-5);
+  lw_gl_prm_destroy(gl_prm);
+  EXPECT_TRUE(glIsTexture(texture));
+  glDeleteTextures(1, &texture);
+}
+
+TEST_P(GlEvaluate, RunsOnTheLeastVersions) {
+  GLint major = 0, minor = 0;
+  glGetIntegerv(GL_MAJOR_VERSION, &major);
+  glGetIntegerv(GL_MINOR_VERSION, &minor);
+  EXPECT_EQ(major * 10 + minor, GetParam() == Api::desktop33 ? 33 : 30);
+}
+
+TEST_P(GlEvaluate, RejectsWrongArguments) {
+  load({});
+  const GlPrm gl_prm = upload();
+  lw_gl_light light = glPointLight(0, 0, 0, 1);
+  light.shadow = LW_GL_SHADOW_CUBE;
+  EXPECT_EQ(lw_gl_update_entries(gl_prm.get(), &light, 1), LW_INVALID_ARGUMENT);
+  EXPECT_THAT(message, testing::HasSubstr("light 0"));
+  light.shadow_texture = 1;
+  light.near_m = 0;
+  EXPECT_EQ(lw_gl_update_entries(gl_prm.get(), &light, 1), LW_INVALID_ARGUMENT);
+  light = glPointLight(0, 0, 0, -1);
+  EXPECT_EQ(lw_gl_update_entries(gl_prm.get(), &light, 1), LW_INVALID_ARGUMENT);
+  EXPECT_EQ(lw_gl_update_coefficients(gl_prm.get()), LW_INVALID_ARGUMENT);
+  EXPECT_EQ(lw_gl_evaluate(nullptr, nullptr), LW_INVALID_ARGUMENT);
+  lw_gl_config config = LW_GL_CONFIG_INIT;
+  config.loader = [](void*, const char*) -> lw_gl_proc { return nullptr; };
+  lw_gl* other = nullptr;
+  EXPECT_EQ(lw_gl_create(&config, &other), LW_GL_UNSUPPORTED);
+  EXPECT_EQ(other, nullptr);
+}
+
+}  // namespace
+}  // namespace lightwell::test

@@ -1,0 +1,171 @@
+// Whatever state the game has set, the library's work is right and the state is the same afterwards.
+#include "tests/runtime/gl_fixture.h"
+
+namespace lightwell::test {
+namespace {
+
+/// Every state that lightwell_gl.h says is touched, as text to compare.
+std::string describeState(bool desktop) {
+  std::string text;
+  const auto line = [&](const char* name, int value) { text.append(name).append(" ").append(std::to_string(value)).append("\n"); };
+  const auto integer = [&](const char* name, GLenum e, int count = 1) {
+    GLint v[4] = {};
+    glGetIntegerv(e, v);
+    for (int i = 0; i < count; ++i) line(name, v[i]);
+  };
+  integer("program", GL_CURRENT_PROGRAM);
+  integer("vertex array", GL_VERTEX_ARRAY_BINDING);
+  integer("draw framebuffer", GL_DRAW_FRAMEBUFFER_BINDING);
+  integer("read framebuffer", GL_READ_FRAMEBUFFER_BINDING);
+  integer("viewport", GL_VIEWPORT, 4);
+  integer("active texture", GL_ACTIVE_TEXTURE);
+  integer("pack buffer", GL_PIXEL_PACK_BUFFER_BINDING);
+  integer("unpack buffer", GL_PIXEL_UNPACK_BUFFER_BINDING);
+  for (const GLenum e : {GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_IMAGE_HEIGHT,
+                         GL_UNPACK_SKIP_IMAGES, GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS})
+    integer("pixel store", e);
+  for (const GLenum e : {GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD, GL_DEPTH_TEST, GL_STENCIL_TEST})
+    line("enabled", glIsEnabled(e));
+  GLboolean mask[4];
+  glGetBooleanv(GL_COLOR_WRITEMASK, mask);
+  for (const GLboolean m : mask) line("mask", m);
+  if (desktop) {
+    for (const GLenum e : {GL_UNPACK_SWAP_BYTES, GL_UNPACK_LSB_FIRST, GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST}) integer("pixel store", e);
+    line("logic", glIsEnabled(GL_COLOR_LOGIC_OP));
+    for (GLenum i = 0; i < 8; ++i) line("clip", glIsEnabled(GL_CLIP_DISTANCE0 + i));
+    integer("polygon mode", GL_POLYGON_MODE);
+    for (GLuint i = 0; i < 4; ++i) {
+      glGetBooleani_v(GL_COLOR_WRITEMASK, i, mask);
+      for (const GLboolean m : mask) line("mask i", m);
+      line("blend i", glIsEnabledi(GL_BLEND, i));
+    }
+  }
+  GLint active = 0;
+  glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
+  for (GLenum unit = 0; unit < 8; ++unit) {
+    glActiveTexture(GL_TEXTURE0 + unit);
+    integer("2d", GL_TEXTURE_BINDING_2D);
+    integer("array", GL_TEXTURE_BINDING_2D_ARRAY);
+    integer("cube", GL_TEXTURE_BINDING_CUBE_MAP);
+    integer("3d", GL_TEXTURE_BINDING_3D);
+    integer("sampler", GL_SAMPLER_BINDING);
+  }
+  glActiveTexture(GLenum(active));
+  return text;
+}
+
+class GlState : public GlFixture {
+ protected:
+  bool desktop() const { return GetParam() == Api::desktop33; }
+
+  /// Each touched state away from its default and from what the library needs.
+  void setOddState() {
+    glGenTextures(4, textures);
+    glGenSamplers(1, &sampler);
+    glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    for (GLenum unit = 0; unit < 8; ++unit) {
+      glActiveTexture(GL_TEXTURE0 + unit);
+      glBindTexture(GL_TEXTURE_2D, textures[0]);
+      glBindTexture(GL_TEXTURE_2D_ARRAY, textures[1]);
+      glBindTexture(GL_TEXTURE_CUBE_MAP, textures[2]);
+      glBindTexture(GL_TEXTURE_3D, textures[3]);
+      glBindSampler(unit, sampler);
+    }
+    glActiveTexture(GL_TEXTURE6);
+    glGenFramebuffers(2, framebuffers);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffers[0]);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers[1]);
+    glGenVertexArrays(1, &vertex_array);
+    glBindVertexArray(vertex_array);
+    glGenBuffers(2, buffers);
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, buffers[0]);
+    glBufferData(GL_PIXEL_PACK_BUFFER, 16, nullptr, GL_STATIC_DRAW);
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffers[1]);
+    glBufferData(GL_PIXEL_UNPACK_BUFFER, 16, nullptr, GL_STATIC_DRAW);
+    glViewport(3, 4, 5, 6);
+    for (const GLenum e : {GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD, GL_DEPTH_TEST, GL_STENCIL_TEST}) glEnable(e);
+    glScissor(0, 0, 1, 1);
+    glCullFace(GL_FRONT_AND_BACK);
+    glBlendFunc(GL_ZERO, GL_ZERO);
+    glDepthFunc(GL_NEVER);
+    glStencilFunc(GL_NEVER, 0, 0xff);
+    glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_FALSE);
+    int value = 2;
+    for (const GLenum e : {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_IMAGES,
+                           GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS})
+      glPixelStorei(e, value++);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 8);
+    glPixelStorei(GL_PACK_ALIGNMENT, 2);
+    if (desktop()) {
+      for (const GLenum e : {GL_UNPACK_SWAP_BYTES, GL_UNPACK_LSB_FIRST, GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST}) glPixelStorei(e, 1);
+      glEnable(GL_COLOR_LOGIC_OP);
+      glLogicOp(GL_CLEAR);
+      glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+      for (GLenum i = 0; i < 8; i += 2) glEnable(GL_CLIP_DISTANCE0 + i);
+      glColorMaski(2, GL_FALSE, GL_FALSE, GL_TRUE, GL_FALSE);
+      glDisablei(GL_BLEND, 1);
+    }
+    ASSERT_EQ(glGetError(), GLenum(GL_NO_ERROR));
+  }
+
+  GLuint textures[4], framebuffers[2], buffers[2], sampler = 0, vertex_array = 0;
+};
+LW_INSTANTIATE_GL(GlState);
+
+TEST_P(GlState, IsRestoredByEveryFunctionAndDoesNotDisturbTheWork) {
+  setOddState();
+  const std::string before = describeState(desktop());
+  const auto same = [&](const char* function) { ASSERT_EQ(describeState(desktop()), before) << function; };
+  for (const Layout layout : {Layout::panes_rgb9e5, Layout::bases_i8}) {
+    SyntheticOptions options;
+    options.layout = layout;
+    load(options);
+    lw_gl* other = nullptr;
+    lw_gl_config config = LW_GL_CONFIG_INIT;
+    config.loader = GlContext::load;
+    ASSERT_EQ(lw_gl_create(&config, &other), LW_OK);
+    same("lw_gl_create");
+    lw_gl_destroy(other);
+    same("lw_gl_destroy");
+    GlPrm gl_prm = upload();
+    same("lw_gl_prm_create");
+    uint32_t visibility = 0;
+    ASSERT_EQ(lw_gl_create_visibility(gl_prm.get(), &visibility), LW_OK);
+    same("lw_gl_create_visibility");
+    ASSERT_EQ(lw_gl_upload_visibility(gl_prm.get(), visibility, std::vector<float>(synthetic.entries(), 0.5f).data()), LW_OK);
+    same("lw_gl_upload_visibility");
+    lw_gl_light lights[2] = {glPointLight(0, 2, 0, 10), glPointLight(1, 0, 2, 30)};
+    lights[1].shadow = LW_GL_SHADOW_VISIBILITY;
+    lights[1].shadow_texture = visibility;
+    ASSERT_EQ(lw_gl_update_entries(gl_prm.get(), lights, 2), LW_OK);
+    same("lw_gl_update_entries");
+    const auto entries = readEntries(gl_prm.get());
+    same("lw_gl_read_entries");
+    lw_prm_options evaluate = LW_PRM_OPTIONS_INIT;
+    evaluate.brightest = 10;
+    ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), &evaluate), LW_OK);
+    same("lw_gl_evaluate");
+    std::vector<float> expected_entries(entries.size()), half(entries.size());
+    ASSERT_EQ(lw_prm_entry_irradiance(prm.get(), &lights[0].light, 1, nullptr, nullptr, expected_entries.data()), LW_OK);
+    ASSERT_EQ(lw_prm_entry_irradiance(prm.get(), &lights[1].light, 1, nullptr, nullptr, half.data()), LW_OK);
+    for (size_t i = 0; i < half.size(); ++i) expected_entries[i] += 0.5f * half[i];
+    EXPECT_LT(relrmse(entries, expected_entries), 1e-5);
+    std::vector<float> cluster(size_t(options.clusters) * 3);
+    ASSERT_EQ(lw_prm_cluster_irradiance(prm.get(), expected_entries.data(), cluster.data()), LW_OK);
+    const bool panes = layout == Layout::panes_rgb9e5;
+    EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(cluster, LW_EMITTERS_INDIRECT, panes ? 10 : 0)), 1e-4);
+    same("lw_gl_read_atlas");
+    ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), cluster.data()), LW_OK);
+    same("lw_gl_upload_cluster_irradiance");
+    if (!panes) {
+      ASSERT_EQ(lw_gl_update_coefficients(gl_prm.get()), LW_OK);
+      same("lw_gl_update_coefficients");
+    }
+    lw_gl_destroy_visibility(gl_prm.get(), visibility);
+    gl_prm.reset();
+    same("lw_gl_prm_destroy");
+  }
+}
+
+}  // namespace
+}  // namespace lightwell::test
