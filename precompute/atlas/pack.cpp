@@ -175,8 +175,8 @@ std::vector<TexelRect> freeRectangles(const std::vector<float>& occupied, int wi
     for (int x = 0; x < width; ++x) {
       if (!(occupied[size_t(y) * width + x] > 0)) continue;
       const int last_row = std::min(rows - 1, (y + padding) / cell), last_column = std::min(columns - 1, (x + padding) / cell);
-      for (int row = std::max(0, y - padding) / cell; row <= last_row; ++row)
-        for (int column = std::max(0, x - padding) / cell; column <= last_column; ++column) free[size_t(row) * columns + column] = 0;
+      for (int row = std::min(rows - 1, y / cell); row <= last_row; ++row)
+        for (int column = std::min(columns - 1, x / cell); column <= last_column; ++column) free[size_t(row) * columns + column] = 0;
     }
   std::vector<TexelRect> rectangles;
   while (rectangles.size() < kMostRectangles) {

@@ -38,8 +38,8 @@ inline TexelRect wholeAtlas(int size, int padding) { return {0, 0, size + paddin
 /// The smallest size of a square atlas that has room for `charts` charts of one texel each; above `limit`: limit + 1.
 int smallestAtlas(size_t charts, int padding, int limit);
 
-/// Disjoint empty rectangles of a width × height grid, largest first, whose texels are at least `padding` texels from every texel
-/// with occupied > 0.
+/// Disjoint empty rectangles of a width × height grid, largest first, in which packCharts may place charts beside the texels with
+/// occupied > 0: they leave `padding` texels to the right of those and below; to their left and above it is packCharts that does.
 std::vector<TexelRect> freeRectangles(const std::vector<float>& occupied, int width, int height, int padding);
 
 }  // namespace lightwell::atlas

@@ -166,6 +166,19 @@ TEST(Coverage, RoundingOfCoordinatesCoversNoFurtherTexels) {
   EXPECT_EQ(coverAsGiven(builder.build(), 10).slots.size(), 5u);
 }
 
+TEST(Coverage, PointsOnABorderBetweenChartsStayOnTheirOwn) {
+  SceneBuilder builder;
+  builder.object(true).quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0}, {0.5f, 1}).quad({0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5f, 0}, {1, 1});
+  const scene::Scene scene = builder.build();
+  const Atlas atlas = coverAsGiven(scene, 16);
+  for (uint32_t t = 0; t < 4; ++t)
+    for (int i = 0; i <= 10; ++i) {
+      const float along = float(i) / 10;
+      for (const Vec2& b : {Vec2(along, 0), Vec2(0, along), Vec2(along, 1 - along)})
+        EXPECT_TRUE(holds(atlas, atlas.slotAt(scene.mesh, t, b.x, b.y), t)) << t << " " << b.x << " " << b.y;
+    }
+}
+
 TEST(Coverage, OneTexelHoldsEverything) {
   SceneBuilder builder;
   builder.object(true).quad({0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0.1f, 0.2f}, {0.7f, 0.9f});

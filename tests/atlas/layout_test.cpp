@@ -145,7 +145,7 @@ TEST(GivenUv, SharedBorderTexelsAreNoOverlap) {
 
 TEST(GivenUv, ObjectsWithoutCoordinatesGoIntoFreeSpace) {
   SceneBuilder builder;
-  builder.object(true).quad({0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {0, 0}, {0.6f, 0.6f});
+  builder.object(true).quad({0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {0.3f, 0.3f}, {0.75f, 0.75f});
   builder.object(false).box({1, 1, 1}, {2, 3, 4});
   const scene::Scene given = builder.build();
   const Built built = build(given, 64);

@@ -69,6 +69,21 @@ TEST(Gutters, BilinearLookupNeverMeetsAnUnfilledTexel) {
       }
 }
 
+TEST(Sources, InvalidTexelsShowTheNearestValidOneOfTheirOwnChart) {
+  // Charts 0 0 0 1 1 1 0 0 2: two charts touch, and the last two texels of chart 0 lie apart from the rest of it.
+  Atlas atlas;
+  atlas.width = 9, atlas.height = 1;
+  const uint32_t charts[9] = {0, 0, 0, 1, 1, 1, 0, 0, 2};
+  for (uint32_t x = 0; x < 9; ++x) {
+    Slot slot;
+    slot.texel = x, slot.chart = charts[x];
+    atlas.slots.push_back(slot);
+    atlas.texel_slot.push_back(x);
+  }
+  EXPECT_EQ(fillSources(atlas, {1, 0, 0, 1, 0, 1, 0, 0, 0}), 1u);
+  EXPECT_EQ(atlas.source, (std::vector<uint32_t>{0, 0, 0, 3, 3, 5, 0, 0, 8}));
+}
+
 TEST(Validity, TexelsInsideABoxShowTheFloorAroundIt) {
   scene::Scene scene = boxThroughFloor(false);
   Atlas atlas = build(scene, 64);
