@@ -144,18 +144,21 @@ TEST(GivenUv, SharedBorderTexelsAreNoOverlap) {
 }
 
 TEST(GivenUv, ObjectsWithoutCoordinatesGoIntoFreeSpace) {
-  SceneBuilder builder;
-  builder.object(true).quad({0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {0.3f, 0.3f}, {0.75f, 0.75f});
-  builder.object(false).box({1, 1, 1}, {2, 3, 4});
-  const scene::Scene given = builder.build();
-  const Built built = build(given, 64);
-  EXPECT_TRUE(built.atlas.unwrapped);
-  ASSERT_EQ(built.warnings.size(), 1u);
-  EXPECT_THAT(built.warnings[0].message, HasSubstr("missing"));
-  for (int v = 0; v < 4; ++v) EXPECT_EQ(built.atlas.uv[v], given.mesh.lightmap_uv[v]);
-  EXPECT_EQ(built.atlas.chart_count, 7u);
-  EXPECT_GE(leastGap(built.atlas, 4), 2);
-  EXPECT_NEAR(slotArea(built.atlas) / surfaceArea(given.mesh), 1, 1e-4);
+  // The free space lies on the right of and below the given coordinates, then on the left of and above them.
+  for (const float low : {0.0f, 0.4f}) {
+    SceneBuilder builder;
+    builder.object(true).quad({0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {low, low}, {low + 0.6f, low + 0.6f});
+    builder.object(false).box({1, 1, 1}, {2, 3, 4});
+    const scene::Scene given = builder.build();
+    const Built built = build(given, 64);
+    EXPECT_TRUE(built.atlas.unwrapped);
+    ASSERT_EQ(built.warnings.size(), 1u);
+    EXPECT_THAT(built.warnings[0].message, HasSubstr("missing"));
+    for (int v = 0; v < 4; ++v) EXPECT_EQ(built.atlas.uv[v], given.mesh.lightmap_uv[v]);
+    EXPECT_EQ(built.atlas.chart_count, 7u);
+    EXPECT_GE(leastGap(built.atlas, 4), 2);
+    EXPECT_NEAR(slotArea(built.atlas) / surfaceArea(given.mesh), 1, 1e-4);
+  }
 }
 
 TEST(GivenUv, WithoutFreeSpaceEverythingIsUnwrapped) {
