@@ -171,9 +171,8 @@ typedef enum lw_glsl {
   LW_GLSL_LOCAL_BASES = 3
 } lw_glsl;
 
-/* GLSL source without a #version line, good for `#version 330 core` and `#version 300 es` alike; put it after your precision statements (on
- * ES some set the default precision to highp).
- * Static storage; NULL for other values. */
+/* GLSL source without a #version line, good for `#version 330 core` and `#version 300 es` alike. On ES it sets the default precision to highp
+ * for what it uses, and for what follows. Static storage; NULL for other values. */
 LW_API const char *lw_glsl_source(lw_glsl snippet);
 
 /* The 16 numbers of an LwLight, in its order. LW_INVALID_ARGUMENT when the light's values are out of range. */

@@ -54,6 +54,10 @@ vec3 lwLightIrradiance(LwLight light, vec3 position, vec3 normal) {
 )";
 
 const char kAtlas[] = R"(
+#ifdef GL_ES
+precision highp float;
+precision highp sampler2D;
+#endif
 vec3 lwAtlasIrradiance(sampler2D atlas, vec2 lightmap_uv) {
   vec4 value = texture(atlas, lightmap_uv);
   return value.a > 0.0 ? value.rgb / value.a : vec3(0.0);
