@@ -1,25 +1,9 @@
 // lightwell_game CONTAINER.lwc: walk through a baked scene and move its lamps.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <memory>
 
-#include "render/error.h"
+#include "render/container_file.h"
 #include "samples/game/options.h"
-
-namespace {
-
-struct CloseContainer {
-  void operator()(lw_container* container) const { lw_close(container); }
-};
-
-std::unique_ptr<lw_container, CloseContainer> open(const std::string& file) {
-  lw_container* container = nullptr;
-  const lw_result result = lw_open_file(file.c_str(), nullptr, &container);
-  if (result != LW_OK) throw lightwell::render::RenderError(result, file);
-  return std::unique_ptr<lw_container, CloseContainer>(container);
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   using namespace lightwell;
@@ -45,7 +29,7 @@ int main(int argc, char** argv) {
   if (!mode.empty())
     options.part = mode == "direct" ? render::LightPart::direct : mode == "indirect" ? render::LightPart::indirect : render::LightPart::full;
   try {
-    const auto container = open(options.container.string());
+    const auto container = render::openContainer(options.container.string());
     return options.headless ? game::runHeadless(options, container.get()) : game::runWindowed(options, container.get());
   } catch (const render::RenderError& error) {
     std::fprintf(stderr, "lightwell_game: %s\n", error.what());

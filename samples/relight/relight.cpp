@@ -6,11 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <memory>
 
 #include "render/camera_json.h"
+#include "render/container_file.h"
 #include "render/egl_context.h"
-#include "render/error.h"
 #include "render/lights_json.h"
 #include "render/renderer.h"
 
@@ -18,10 +17,6 @@ namespace {
 
 using namespace lightwell;
 using render::Image8;
-
-struct CloseContainer {
-  void operator()(lw_container* container) const { lw_close(container); }
-};
 
 /// Means of factor × factor pixels, taken in linear light.
 Image8 reduced(const Image8& image, int factor) {
@@ -55,9 +50,7 @@ Image8 contactSheet(const std::vector<Image8>& images, int columns) {
 
 void relight(const std::string& container_file, const std::string& camera_file, const std::vector<std::string>& light_files,
              const std::filesystem::path& directory, int reduction) {
-  lw_container* opened = nullptr;
-  render::check(lw_open_file(container_file.c_str(), nullptr, &opened), container_file.c_str());
-  const std::unique_ptr<lw_container, CloseContainer> container(opened);
+  const render::ContainerFile container = render::openContainer(container_file);
   const render::EglContext context;
   render::Renderer renderer(container.get(), render::EglContext::load, nullptr);
   render::View view = render::readCamera(camera_file);
