@@ -46,10 +46,13 @@ void decodePlanes(const uint8_t* __restrict planes, uint8_t* __restrict elements
 /// The same, each element the sum of itself and all before it, modulo 2^bits. One-byte elements may be decoded in place.
 template <class Unsigned>
 void decodeDeltaPlanes(const uint8_t* planes, uint8_t* elements, size_t count) {
-  Unsigned sum = 0;
-  for (size_t i = 0; i < count; ++i) {
-    sum = Unsigned(sum + joinPlanes<Unsigned>(planes, count, i));
-    std::memcpy(elements + i * sizeof(Unsigned), &sum, sizeof(Unsigned));
+  constexpr size_t kBlock = 1024;  // joining is done in blocks because it can be vectorised and summing cannot
+  Unsigned block[kBlock], sum = 0;
+  for (size_t begin = 0; begin < count; begin += kBlock) {
+    const size_t size = std::min(kBlock, count - begin);
+    for (size_t i = 0; i < size; ++i) block[i] = joinPlanes<Unsigned>(planes, count, begin + i);
+    for (size_t i = 0; i < size; ++i) block[i] = sum = Unsigned(sum + block[i]);
+    std::memcpy(elements + begin * sizeof(Unsigned), block, size * sizeof(Unsigned));
   }
 }
 
