@@ -1,5 +1,5 @@
 // Error of environment answers against quadrature over the map, by model, shininess and number of cells.
-//   environment_error MAP... [--queries N] [--cells N] [--capacity C] > errors.csv
+//   environment_error MAP... [--queries N] [--cells N] [--exponent E] > errors.csv
 // Columns: map, model, shininess, cells, error (RMS of the difference over RMS of the exact answers, all channels), seconds of the bake.
 #include <algorithm>
 #include <chrono>
@@ -56,12 +56,12 @@ int main(int argc, char** argv) {
   std::vector<std::string> files;
   uint32_t count = 1000;
   std::vector<uint32_t> cell_counts = {8, 16, 32, 64, 128, 256, 512, 1024};
-  float capacity = -1;
+  float exponent = -1;
   for (int i = 1; i < argc; ++i) {
     if (!std::strcmp(argv[i], "--queries") && i + 1 < argc)
       count = uint32_t(std::stoul(argv[++i]));
-    else if (!std::strcmp(argv[i], "--capacity") && i + 1 < argc)
-      capacity = std::stof(argv[++i]);
+    else if (!std::strcmp(argv[i], "--exponent") && i + 1 < argc)
+      exponent = std::stof(argv[++i]);
     else if (!std::strcmp(argv[i], "--cells") && i + 1 < argc)
       cell_counts = {uint32_t(std::stoul(argv[++i]))};
     else
@@ -90,7 +90,7 @@ int main(int argc, char** argv) {
         EnvironmentSettings settings;
         settings.decomposition.samples = samples;
         settings.decomposition.fast = fast;
-        if (capacity >= 0) settings.decomposition.capacity = capacity;
+        if (exponent >= 0) settings.decomposition.density_exponent = exponent;
         const auto start = std::chrono::steady_clock::now();
         const Environment environment = bakeEnvironment(map, settings, diagnostics, nullptr);
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -57,40 +57,32 @@ struct SpreadSum {
 
 Vec3 unitOr(const Vec3d& v, const Vec3& fallback) { return v.length() > 1e-12 ? Vec3(v.normalized()) : fallback; }
 
-/// The step in the power diagram's bias that brings a cell of share `share` near `target`: its rim, about 2πr long, moves by
-/// step / (distance of the seeds, 2r), so the share changes by about π · share / Ω · step.
-float capacityStep(double share, double target, double solid_angle) {
-  const double limit = 0.1 * solid_angle / kPiD;
-  return float(std::clamp(0.5 * (target - share) * solid_angle / (kPiD * std::max(share, 0.25 * target)), -limit, limit));
-}
-
-/// Moves seeds to the centroids of their cells' importance until they lie still. Cells that lost all texels vanish.
-void relax(const SkyGrid& grid, const std::vector<double>& importance, const DecompositionSettings& settings, int rounds,
-           const CancelFlag* cancel, std::vector<Vec3>& seed, std::vector<float>& bias) {
+/// Lloyd's method: moves seeds to the centroids of their cells' weight until they lie still. Cells that lost all texels vanish.
+/// Weighted by a density ρ, seeds settle at a density as √ρ (Gersho's conjecture in two dimensions). Returns Σ weight · (1 − cosine to the seed).
+double relax(const SkyGrid& grid, const std::vector<double>& weight, int rounds, int threads, const CancelFlag* cancel, std::vector<Vec3>& seed) {
   const SphericalVoronoi voronoi(grid);
-  std::vector<uint32_t> label;
+  double spread = 0;
   for (int round = 0; round < rounds; ++round) {
     if (cancel) cancel->check();
-    label = voronoi.assign(seed, bias, settings.threads);
-    const auto sums = sumByLabel<WeightSum>(grid.size(), seed.size(), settings.threads, label, [&](WeightSum& sum, size_t i) {
-      sum.weight += importance[i];
-      sum.solid_angle += grid.solid_angle_sr[i];
-      sum.moment += Vec3d(grid.direction[i]) * importance[i];
+    const std::vector<uint32_t> label = voronoi.assign(seed, threads);
+    const auto sums = sumByLabel<WeightSum>(grid.size(), seed.size(), threads, label, [&](WeightSum& sum, size_t i) {
+      sum.weight += weight[i];
+      sum.moment += Vec3d(grid.direction[i]) * weight[i];
     });
     float moved = 0;
     size_t kept = 0;
+    spread = 0;
     for (size_t s = 0; s < seed.size(); ++s) {
       if (sums[s].weight <= 0) continue;
       const Vec3 centroid = unitOr(sums[s].moment, seed[s]);
+      spread += sums[s].weight - sums[s].moment.length();
       moved = std::max(moved, (centroid - seed[s]).length());
-      const float step = settings.capacity * capacityStep(sums[s].weight, 1.0 / double(seed.size()), sums[s].solid_angle);
-      bias[kept] = bias[s] + step;
       seed[kept++] = centroid;
     }
     seed.resize(kept);
-    bias.resize(kept);
-    if (moved < 1e-5f && settings.capacity == 0) break;
+    if (moved < 1e-5f) break;
   }
+  return spread;
 }
 
 /// What the container keeps of every label: exact sums, direction and spread of the power (of the area where a cell is black).
@@ -147,11 +139,22 @@ size_t orderLabels(const SkyGrid& grid, size_t suns, size_t labels, int threads,
   return order.size();
 }
 
+std::vector<Vec3> placeSeeds(const SkyGrid& grid, const DecompositionSettings& settings, uint32_t count, const CancelFlag* cancel) {
+  const std::vector<double> weight = seedImportance(grid, 2 * settings.density_exponent, count);
+  std::vector<Vec3> bisected = bisectionSeeds(grid, weight, count);
+  const double bisected_spread = relax(grid, weight, settings.fast ? kFastRounds : kRounds, settings.threads, cancel, bisected);
+  if (settings.fast) return bisected;
+  std::vector<Vec3> scattered = blueNoiseSeeds(grid, seedImportance(grid, settings.density_exponent, count), count, settings.seed);
+  const double scattered_spread = relax(grid, weight, kRounds, settings.threads, cancel, scattered);
+  return scattered_spread <= bisected_spread ? scattered : bisected;
+}
+
 }  // namespace
 
 Decomposition decompose(const SkyGrid& grid, const DecompositionSettings& settings, const CancelFlag* cancel) {
   if (settings.samples < 1 || settings.samples > 4096) throw UsageError("an environment takes 1 to 4096 samples");
-  if (!(settings.capacity >= 0 && settings.capacity <= 1)) throw UsageError("the capacity weight of an environment lies between 0 and 1");
+  if (!(settings.density_exponent >= 0 && settings.density_exponent <= 1))
+    throw UsageError("the density exponent of an environment lies between 0 and 1");
   std::vector<std::vector<uint32_t>> suns = findSuns(grid, settings.suns);
   if (suns.size() >= settings.samples) suns.resize(settings.samples - 1);
   SkyGrid sky = grid;  // without the suns
@@ -164,14 +167,8 @@ Decomposition decompose(const SkyGrid& grid, const DecompositionSettings& settin
       sky.solid_angle_sr[i] = 0;
     }
   const SkyGrid coarse = reduceSkyGrid(sky, settings.fast ? kFastWidth : kRelaxationWidth);
-  const uint32_t wanted = settings.samples - uint32_t(suns.size());
-  const std::vector<double> importance = seedImportance(coarse, {}, wanted);
-  std::vector<Vec3> seed =
-      settings.fast ? bisectionSeeds(coarse, importance, wanted) : blueNoiseSeeds(coarse, importance, wanted, settings.seed);
-  std::vector<float> bias(seed.size(), 0.0f);
-  relax(coarse, importance, settings, settings.fast ? kFastRounds : kRounds, cancel, seed, bias);
-
-  const std::vector<uint32_t> nearest = SphericalVoronoi(grid).assign(seed, bias, settings.threads);
+  const std::vector<Vec3> seed = placeSeeds(coarse, settings, settings.samples - uint32_t(suns.size()), cancel);
+  const std::vector<uint32_t> nearest = SphericalVoronoi(grid).assign(seed, settings.threads);
   for (size_t i = 0; i < grid.size(); ++i)
     if (result.label[i] == kNone) result.label[i] = nearest[i] + uint32_t(suns.size());
   const size_t count = orderLabels(grid, suns.size(), suns.size() + seed.size(), settings.threads, result.label);

@@ -11,9 +11,9 @@ struct DecompositionSettings {
   uint32_t samples = 128;  // suns included, [1, 4096]; fewer come out when the map has fewer texels with light in them
   uint64_t seed = 0;
   bool fast = false;       // bisection, a coarse grid and few rounds: for skies that change
-  /// 0: plain Lloyd relaxation, the least squared spread of power (cells' density as the square root of radiance). 1: cells of equal
-  /// power (density as radiance, the paper's wish) by a power diagram. Between: the bias that equal power needs is held back by this factor.
-  float capacity = 0.0f;
+  /// Seeds and relaxation aim at a density of cells as radiance to this power, in [0, 1]. 1: cells of equal power, solid angles inversely
+  /// proportional to radiance, as the paper asks. 0.5: the least squared spread of power in the cells, thus the least error of one sample each.
+  float density_exponent = 0.5f;
   SunSettings suns;
   int threads = 0;         // 0: all. The result does not depend on it
 };

@@ -21,7 +21,7 @@ size_t inverseCdf(const std::vector<double>& cdf, double u) {
 struct Part {
   std::vector<uint32_t> texels;
   double weight = 0, spread = 0;  // spread: Σ importance · squared chord to the mean
-  Vec3d mean;
+  Vec3d mean{0, 0, 0};
 };
 
 Part makePart(const SkyGrid& grid, const std::vector<double>& importance, std::vector<uint32_t> texels) {
@@ -54,18 +54,19 @@ Vec3d principalAxis(const SkyGrid& grid, const std::vector<double>& importance, 
 
 }  // namespace
 
-std::vector<double> seedImportance(const SkyGrid& grid, const std::vector<uint8_t>& excluded, uint32_t seeds) {
-  std::vector<double> importance(grid.size());
-  double total = 0, solid_angle = 0;
+std::vector<double> seedImportance(const SkyGrid& grid, double exponent, uint32_t seeds) {
+  double flux = 0, solid_angle = 0;
+  for (size_t i = 0; i < grid.size(); ++i) flux += luminance(grid.flux_rgb[i]), solid_angle += grid.solid_angle_sr[i];
+  const double mean = flux > 0 ? flux / solid_angle : 1;
+  std::vector<double> importance(grid.size(), 0.0);
+  double total = 0;
   for (size_t i = 0; i < grid.size(); ++i) {
-    if (!excluded.empty() && excluded[i]) continue;
-    importance[i] = luminance(grid.flux_rgb[i]);
+    if (grid.solid_angle_sr[i] <= 0) continue;
+    importance[i] = grid.solid_angle_sr[i] * std::pow(luminance(grid.flux_rgb[i]) / grid.solid_angle_sr[i] / mean, exponent);
     total += importance[i];
-    solid_angle += grid.solid_angle_sr[i];
   }
   const double floor = (total > 0 ? kFloorShare * total : 1.0) / solid_angle;
-  for (size_t i = 0; i < grid.size(); ++i)
-    if (excluded.empty() || !excluded[i]) importance[i] += floor * grid.solid_angle_sr[i];
+  for (size_t i = 0; i < grid.size(); ++i) importance[i] += floor * grid.solid_angle_sr[i];
   // Capping lowers the total and with it the cap; a few rounds settle it well enough.
   for (int round = 0; round < 4; ++round) {
     const double cap = std::accumulate(importance.begin(), importance.end(), 0.0) / std::max(1u, seeds);

@@ -66,7 +66,7 @@ SkyGrid reduceSkyGrid(const SkyGrid& fine, int max_width) {
   const Blocks blocks(fine.width, fine.height, max_width);
   SkyGrid grid = emptyGrid(blocks.width, blocks.height);
   grid.frame = fine.frame;
-  std::vector<Vec3d> moment(grid.size());
+  std::vector<Vec3d> moment(grid.size(), Vec3d(0, 0, 0));
   for (int fine_y = 0; fine_y < fine.height; ++fine_y)
     for (int fine_x = 0; fine_x < fine.width; ++fine_x) {
       const size_t from = size_t(fine_y) * size_t(fine.width) + size_t(fine_x);

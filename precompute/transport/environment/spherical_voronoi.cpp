@@ -8,7 +8,7 @@ namespace lightwell::transport {
 namespace {
 
 constexpr int kTileTexels = 8;
-constexpr float kAngleSlack = 1e-3f;  // float cosines near 1 resolve angles to 3e-4 rad
+constexpr float kAngleSlack = 1e-5f;  // rounding of the angles
 
 /// Angle between unit vectors, accurate when it is small.
 float angleBetween(const Vec3& a, const Vec3& b) { return 2 * std::asin(std::min(1.0f, 0.5f * (a - b).length())); }
@@ -30,31 +30,29 @@ SphericalVoronoi::SphericalVoronoi(const SkyGrid& grid) : grid_(grid) {
     }
 }
 
-std::vector<uint32_t> SphericalVoronoi::assign(std::span<const Vec3> seed, std::span<const float> bias, int threads) const {
+std::vector<uint32_t> SphericalVoronoi::assign(std::span<const Vec3> seed, int threads) const {
   std::vector<uint32_t> label(grid_.size());
   parallelFor(tiles_.size(), 64, threads, nullptr, [&](size_t begin, size_t end) {
     std::vector<float> angle(seed.size());
     std::vector<uint32_t> candidate;
     for (size_t t = begin; t < end; ++t) {
       const Tile& tile = tiles_[t];
-      // Somewhere in the tile seed i scores at least cos(angle + radius) + b, everywhere at most cos(angle − radius) + b.
-      const float reach = tile.radius_rad + kAngleSlack;
-      float certain = -std::numeric_limits<float>::infinity();
+      float nearest = kPi;
       for (size_t i = 0; i < seed.size(); ++i) {
-        angle[i] = std::acos(std::clamp(tile.center.dot(seed[i]), -1.0f, 1.0f));
-        certain = std::max(certain, std::cos(std::min(kPi, angle[i] + reach)) + bias[i]);
+        angle[i] = angleBetween(tile.center, seed[i]);
+        nearest = std::min(nearest, angle[i]);
       }
+      // A texel is at most nearest + radius from some seed, and at least angle − radius from this one.
       candidate.clear();
       for (size_t i = 0; i < seed.size(); ++i)
-        if (std::cos(std::max(0.0f, angle[i] - reach)) + bias[i] >= certain) candidate.push_back(uint32_t(i));
+        if (angle[i] <= nearest + 2 * tile.radius_rad + kAngleSlack) candidate.push_back(uint32_t(i));
       for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x) {
           const size_t texel = size_t(y) * size_t(grid_.width) + size_t(x);
           const Vec3& d = grid_.direction[texel];
-          float best = -std::numeric_limits<float>::infinity();
+          float best = std::numeric_limits<float>::infinity();
           for (uint32_t i : candidate)
-            // 1 − |d − s|²/2 instead of d · s: close seeds are told apart without cancellation.
-            if (const float score = bias[i] - 0.5f * (d - seed[i]).length2(); score > best) best = score, label[texel] = i;
+            if (const float chord2 = (d - seed[i]).length2(); chord2 < best) best = chord2, label[texel] = i;
         }
     }
   });

@@ -1,7 +1,7 @@
 // Which seed is nearest to each texel of a latitude-longitude grid: spherical Voronoi cells, exact on the texels, poles and seam included.
 //
 // Texels are grouped in tiles; a tile keeps the few seeds that can win in it (by the triangle inequality on the sphere), so the cost per
-// texel does not grow with the number of seeds. With a bias b per seed the cells are those of a spherical power diagram: argmax(x · s + b).
+// texel hardly grows with the number of seeds.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -16,8 +16,8 @@ class SphericalVoronoi {
   /// `grid` must outlive this.
   explicit SphericalVoronoi(const SkyGrid& grid);
 
-  /// The winner (ties: the lower index) of each texel. `seed` are unit vectors, at least one; `bias` has as many elements.
-  std::vector<uint32_t> assign(std::span<const Vec3> seed, std::span<const float> bias, int threads) const;
+  /// The winner (ties: the lower index) of each texel. `seed` are unit vectors, at least one.
+  std::vector<uint32_t> assign(std::span<const Vec3> seed, int threads) const;
 
  private:
   struct Tile {

@@ -7,7 +7,7 @@
 namespace lightwell::transport {
 
 struct SunSettings {
-  int max_suns = 4;
+  int max_suns = 16;
   float stops_above_mean = 6;          // log2 of the peak over the mean radiance of the rest
   float stops_above_surroundings = 4;  // log2 of the peak over the mean radiance of a rim three texels off the spot
   float max_radius_rad = 0.0209f;      // 1.2°: wider spots are resolved by cells and sky
