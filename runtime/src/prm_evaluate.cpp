@@ -19,7 +19,8 @@ bool isIrradiance(const float* values, size_t count) {
 bool resolveOptions(const lw_prm_options* given, lw_prm_options& options) {
   options = LW_PRM_OPTIONS_INIT;
   if (!given) return true;
-  if (given->size < sizeof(lw_prm_options) || given->keep_energy > 1 || given->emitters > (LW_EMITTERS_DIRECT | LW_EMITTERS_INDIRECT)) return false;
+  if (given->size < sizeof(lw_prm_options) || given->keep_energy > 1 || given->emitters > (LW_EMITTERS_DIRECT | LW_EMITTERS_INDIRECT))
+    return false;
   options = *given;
   return true;
 }
@@ -33,7 +34,8 @@ struct Weight {
 };
 
 /// The clusters to sum, in ascending order, and the scale that keeps the energy of those left out. Returns their number.
-uint32_t selectBrightest(const lw_prm& prm, const float* irradiance_rgb, uint32_t brightest, bool keep_energy, Weight* weights, float* scale_rgb) {
+uint32_t selectBrightest(const lw_prm& prm, const float* irradiance_rgb, uint32_t brightest, bool keep_energy, Weight* weights,
+                         float* scale_rgb) {
   const uint32_t clusters = prm.header.clusters;
   const float* pane_sum = prm.pane_sum_rgb.data();
   uint32_t lit = 0;
@@ -51,7 +53,8 @@ uint32_t selectBrightest(const lw_prm& prm, const float* irradiance_rgb, uint32_
     double all[3] = {}, kept[3] = {};
     for (size_t i = 0; i < size_t(clusters) * 3; ++i) all[i % 3] += double(irradiance_rgb[i]) * pane_sum[i];
     for (uint32_t w = 0; w < brightest; ++w)
-      for (int k = 0; k < 3; ++k) kept[k] += double(irradiance_rgb[size_t(weights[w].cluster) * 3 + k]) * pane_sum[size_t(weights[w].cluster) * 3 + k];
+      for (int k = 0; k < 3; ++k)
+        kept[k] += double(irradiance_rgb[size_t(weights[w].cluster) * 3 + k]) * pane_sum[size_t(weights[w].cluster) * 3 + k];
     for (int k = 0; k < 3; ++k)
       if (kept[k] > 0) scale_rgb[k] = float(all[k] / kept[k]);
   }
@@ -83,7 +86,8 @@ void addPane(const uint16_t* pane, uint32_t texels, const float* irradiance_rgb,
 float sane(float v) { return v > 0.0f ? std::min(v, FLT_MAX) : 0.0f; }
 
 /// A tile of texels at a time, so that the sums stay in the first-level cache while panes stream past.
-void evaluatePanes(const lw_prm& prm, const float* irradiance_rgb, const Weight* weights, uint32_t weight_count, const float* scale_rgb, float* rgba) {
+void evaluatePanes(const lw_prm& prm, const float* irradiance_rgb, const Weight* weights, uint32_t weight_count, const float* scale_rgb,
+                   float* rgba) {
   constexpr uint32_t kTile = 512;
   const uint32_t texels = prm.header.texels;
   for (uint32_t first = 0; first < texels; first += kTile) {
@@ -160,8 +164,8 @@ size_t lw_prm_scratch_bytes(const lw_prm* prm) {
   return prm && !prm->pane_sum_rgb.empty() ? size_t(prm->header.clusters) * sizeof(Weight) : 0;
 }
 
-lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb, const lw_prm_options* given, void* scratch, size_t scratch_bytes,
-                          float* atlas_rgba) {
+lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb, const lw_prm_options* given, void* scratch,
+                          size_t scratch_bytes, float* atlas_rgba) {
   if (!prm || !cluster_irradiance_rgb || !atlas_rgba) return LW_INVALID_ARGUMENT;
   lw_prm_options options;
   if (!resolveOptions(given, options)) return prm->host.fail(LW_INVALID_ARGUMENT, "lw_prm_options: a value is out of range");

@@ -113,9 +113,10 @@ class Loader {
     for (uint64_t c = 0; c < clusters; ++c) {
       double sum[3] = {};
       for (uint64_t i = c * texels; i < (c + 1) * texels; ++i) {
-        const format::Float3 v = half ? format::Float3{format::unpackHalf(prm_.pane_half[i * 3]), format::unpackHalf(prm_.pane_half[i * 3 + 1]),
-                                                       format::unpackHalf(prm_.pane_half[i * 3 + 2])}
-                                      : format::unpackRgb9e5(prm_.pane_rgb9e5[i]);
+        const format::Float3 v =
+            half ? format::Float3{format::unpackHalf(prm_.pane_half[i * 3]), format::unpackHalf(prm_.pane_half[i * 3 + 1]),
+                                  format::unpackHalf(prm_.pane_half[i * 3 + 2])}
+                 : format::unpackRgb9e5(prm_.pane_rgb9e5[i]);
         sum[0] += v.x;
         sum[1] += v.y;
         sum[2] += v.z;
@@ -126,7 +127,8 @@ class Loader {
 
   void loadLocalBases() {
     const format::PrmHeader& h = prm_.header;
-    if (!result_ && (!h.blocks || h.blocks > h.texels || !h.max_rank || h.max_rank > 255)) return void(bad("header", "its counts cannot be"));
+    if (!result_ && (!h.blocks || h.blocks > h.texels || !h.max_rank || h.max_rank > 255))
+      return void(bad("header", "its counts cannot be"));
     decode("block_first_texel", ElementType::u32, uint64_t(h.blocks) + 1, prm_.block_first_texel);
     decode("block_rank", ElementType::u8, h.blocks, prm_.block_rank);
     decode("block_first_link", ElementType::u32, uint64_t(h.blocks) + 1, prm_.block_first_link);

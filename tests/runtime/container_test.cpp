@@ -1,6 +1,7 @@
 // Opening, queries and decoding, of sound and of damaged containers.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -273,6 +274,59 @@ TEST(Container, FindsEveryDamagedByte) {
       lw_container* container = nullptr;
       EXPECT_NE(lw_open_memory(sound.data(), length, nullptr, &container), LW_OK);
     }
+  }
+}
+
+/// Values that no bake writes, under right checksums: each is found when loading, before anything relies on it.
+TEST(Container, FindsValuesThatCannotBe) {
+  struct Case {
+    Layout layout;
+    const char* chunk;
+    std::function<void(std::vector<uint32_t>&)> damage;
+  };
+  const uint32_t none = 0xffffffffu;
+  const std::vector<Case> cases = {
+      {Layout::panes_half, "texel", [](auto& v) { v[3] = 24 * 20; }},
+      {Layout::panes_half, "texel", [](auto& v) { v[3] = v[4]; }},
+      {Layout::panes_half, "source", [&](auto& v) { *std::find_if(v.begin(), v.end(), [&](uint32_t s) { return s != none; }) = 24 * 20; }},
+      {Layout::panes_half, "source", [&](auto& v) { v[0] = 1, v[1] = 2, v[2] = 2; }},  // a source that shows another
+      {Layout::panes_half, "cluster_first_entry", [](auto& v) { v[0] = 1; }},
+      {Layout::panes_half, "cluster_first_entry", [](auto& v) { v[5] = v[6]; }},
+      {Layout::panes_half, "cluster_first_entry", [](auto& v) { v.back() += 1; }},
+      {Layout::panes_half, "cluster_first_entry", [](auto& v) { v[5] = 0x7fffffff; }},
+      {Layout::bases_i8, "block_first_texel", [](auto& v) { v[3] = 0x7fffffff; }},
+      {Layout::bases_i8, "block_first_texel", [](auto& v) { std::swap(v[3], v[4]); }},
+      {Layout::bases_i8, "block_first_link", [](auto& v) { v[3] = 0x7fffffff; }},
+      {Layout::bases_i8, "block_first_link", [](auto& v) { v[0] = 1; }},
+      {Layout::bases_i8, "link_cluster", [](auto& v) { v.back() = 40; }},
+      {Layout::bases_i8, "link_cluster", [](auto& v) { v[1] = v[0]; }},
+  };
+  for (size_t i = 0; i < cases.size(); ++i) {
+    SyntheticOptions options;
+    options.layout = cases[i].layout;
+    bool damaged = false;
+    options.edit_u32 = [&](std::string_view chunk, std::vector<uint32_t>& values) {
+      if (chunk == cases[i].chunk) cases[i].damage(values), damaged = true;
+    };
+    Host host;
+    const lw_config config = host.config();
+    const auto bytes = makeSyntheticPrm(options).container;
+    EXPECT_TRUE(damaged);
+    const Container container = openMemory(bytes, &config);
+    lw_prm* prm = nullptr;
+    EXPECT_EQ(lw_prm_load(container.get(), &prm), LW_BAD_SECTION) << i;
+    EXPECT_THAT(host.message, testing::HasSubstr(cases[i].chunk)) << i;
+  }
+  for (const char* chunk : {"entry_position", "entry_weight", "coefficient_scale"}) {
+    SyntheticOptions options;
+    options.layout = Layout::bases_i16;
+    options.edit_f32 = [&](std::string_view name, std::vector<float>& values) {
+      if (name == chunk) values[2] = NAN;
+    };
+    const auto bytes = makeSyntheticPrm(options).container;
+    const Container container = openMemory(bytes);
+    lw_prm* prm = nullptr;
+    EXPECT_EQ(lw_prm_load(container.get(), &prm), LW_BAD_SECTION) << chunk;
   }
 }
 

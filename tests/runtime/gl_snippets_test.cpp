@@ -108,8 +108,9 @@ TEST_P(GlSnippets, LightsShineInTheGamesShaderAsOnTheCpu) {
   light.outer_cone_angle_rad = 1.0f;
   float packed[16];
   ASSERT_EQ(lw_gl_pack_light(&light, packed), LW_OK);
-  const GLuint program = makeProgram(std::string(lw_glsl_source(LW_GLSL_LIGHT)) + "uniform vec4 u_light[4];\n",
-                                     "lwLightIrradiance(LwLight(u_light[0], u_light[1], u_light[2], u_light[3]), vec3(1, 0, 0), vec3(0, 1, 0))");
+  const GLuint program =
+      makeProgram(std::string(lw_glsl_source(LW_GLSL_LIGHT)) + "uniform vec4 u_light[4];\n",
+                  "lwLightIrradiance(LwLight(u_light[0], u_light[1], u_light[2], u_light[3]), vec3(1, 0, 0), vec3(0, 1, 0))");
   const auto pixel = run(program, 1, 1, 0, [&] { glUniform4fv(glGetUniformLocation(program, "u_light"), 4, packed); });
   const double cosine = 2 / std::sqrt(5.0), edge = (cosine - std::cos(1.0)) / (std::cos(0.5) - std::cos(1.0));
   const double expected = 8.0 / 5 * cosine * std::min(edge, 1.0) * std::min(edge, 1.0);

@@ -66,7 +66,8 @@ TEST_P(PrmEvaluation, RejectsBadNumbers) {
   std::vector<uint32_t> scratch(lw_prm_scratch_bytes(prm.get()) / 4 + 1);
   for (const float bad : {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     irradiance[7] = bad;
-    EXPECT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), nullptr, scratch.data(), scratch.size() * 4, atlas.data()), LW_INVALID_ARGUMENT);
+    EXPECT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), nullptr, scratch.data(), scratch.size() * 4, atlas.data()),
+              LW_INVALID_ARGUMENT);
   }
   irradiance[7] = 1;
   lw_prm_options options = LW_PRM_OPTIONS_INIT;
@@ -83,7 +84,8 @@ TEST_P(PrmEvaluation, StaysFinite) {
   for (const float v : evaluate(blinding, nullptr)) ASSERT_TRUE(std::isfinite(v) && v >= 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Layouts, PrmEvaluation, testing::Values(Layout::panes_rgb9e5, Layout::panes_half, Layout::bases_i8, Layout::bases_i16));
+INSTANTIATE_TEST_SUITE_P(Layouts, PrmEvaluation,
+                         testing::Values(Layout::panes_rgb9e5, Layout::panes_half, Layout::bases_i8, Layout::bases_i16));
 
 class PrmPanes : public PrmEvaluation {};
 

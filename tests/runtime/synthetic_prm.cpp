@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <random>
 
 #include "format/decode/pixel.h"
 #include "format/encode/writer.h"
@@ -19,6 +20,18 @@ struct Random {
   double uniform() { return double(engine()) / 4294967296.0; }
   uint32_t below(uint32_t n) { return uint32_t(uniform() * n); }
 };
+
+/// Writes a chunk as the options damage it.
+void add(const SyntheticPrm& prm, format::Writer& writer, std::string_view name, std::vector<uint32_t> values,
+         std::initializer_list<uint64_t> shape = {}) {
+  prm.options.edit_u32(name, values);
+  writer.add(name == "source" ? "atlas" : "prm", name, values, shape);
+}
+void add(const SyntheticPrm& prm, format::Writer& writer, std::string_view name, std::vector<float> values,
+         std::initializer_list<uint64_t> shape = {}) {
+  prm.options.edit_f32(name, values);
+  writer.add("prm", name, values, shape);
+}
 
 /// A third of the texels covered, a third gutters of those, a third empty.
 void makeTexels(Random& random, SyntheticPrm& prm, std::vector<uint8_t>& coverage) {
@@ -42,7 +55,8 @@ void makeEntries(Random& random, SyntheticPrm& prm, std::vector<int16_t>& oct) {
     for (const double w : weights) {
       prm.entry_weight.push_back(float(w / sum));
       for (int k = 0; k < 3; ++k) prm.entry_position.push_back(float(random.uniform() * 4 - 2));
-      const format::Oct16 packed = format::packOct({float(random.uniform() - 0.5), float(random.uniform() - 0.5), float(random.uniform() - 0.5)});
+      const format::Oct16 packed =
+          format::packOct({float(random.uniform() - 0.5), float(random.uniform() - 0.5), float(random.uniform() - 0.5)});
       oct.insert(oct.end(), {packed.x, packed.y});
       const format::Float3 n = format::unpackOct(packed);
       prm.entry_normal.insert(prm.entry_normal.end(), {n.x, n.y, n.z});
@@ -112,18 +126,18 @@ void addLocalBases(Random& random, SyntheticPrm& prm, format::Writer& writer) {
           if (limit == 127) coefficient8.push_back(int8_t(stored));
           else coefficient16.push_back(int16_t(stored));
           for (uint32_t t = first_texel[b]; t < first_texel[b + 1]; ++t)
-            prm.transport[(size_t(c) * texels + t) * 3 + channel] += basis[first_basis + size_t(t - first_texel[b]) * r + k] / 127.0 * stored *
-                                                                     double(scale[first_scale + k * 3 + channel]);
+            prm.transport[(size_t(c) * texels + t) * 3 + channel] +=
+                basis[first_basis + size_t(t - first_texel[b]) * r + k] / 127.0 * stored * double(scale[first_scale + k * 3 + channel]);
         }
     }
     first_link.push_back(uint32_t(link.size()));
   }
-  writer.add("prm", "block_first_texel", first_texel);
+  add(prm, writer, "block_first_texel", first_texel);
   writer.add("prm", "block_rank", rank);
   writer.add("prm", "basis", basis);
-  writer.add("prm", "block_first_link", first_link);
-  writer.add("prm", "link_cluster", link);
-  writer.add("prm", "coefficient_scale", scale);
+  add(prm, writer, "block_first_link", first_link);
+  add(prm, writer, "link_cluster", link);
+  add(prm, writer, "coefficient_scale", scale);
   if (limit == 127) writer.add("prm", "coefficient", coefficient8);
   else writer.add("prm", "coefficient", coefficient16);
 }
@@ -148,7 +162,7 @@ SyntheticPrm makeSyntheticPrm(const SyntheticOptions& options) {
   atlas.set_covered_texels(uint32_t(prm.texel.size()));
   atlas.set_charts(1);
   writer.addMessage("atlas", "header", atlas);
-  writer.add("atlas", "source", prm.source, {options.height, options.width});
+  add(prm, writer, "source", prm.source, {options.height, options.width});
   writer.add("atlas", "coverage", coverage, {options.height, options.width});
   writer.add("atlas", "albedo", std::vector<uint8_t>(size_t(options.width) * options.height * 3, 128), {options.height, options.width, 3});
   writer.addSection("prm");
@@ -164,11 +178,11 @@ SyntheticPrm makeSyntheticPrm(const SyntheticOptions& options) {
     header.set_max_rank(options.max_rank);
   }
   writer.addMessage("prm", "header", header);
-  writer.add("prm", "entry_position", prm.entry_position, {prm.entries(), 3});
+  add(prm, writer, "entry_position", prm.entry_position, {prm.entries(), 3});
   writer.add("prm", "entry_normal", oct, {prm.entries(), 2});
-  writer.add("prm", "entry_weight", prm.entry_weight);
-  writer.add("prm", "cluster_first_entry", prm.cluster_first_entry);
-  writer.add("prm", "texel", prm.texel);
+  add(prm, writer, "entry_weight", prm.entry_weight);
+  add(prm, writer, "cluster_first_entry", prm.cluster_first_entry);
+  add(prm, writer, "texel", prm.texel);
   if (panes) addPanes(random, prm, writer);
   else addLocalBases(random, prm, writer);
   if (options.emitters) {

@@ -1,8 +1,10 @@
 // Random but sound containers with a precomputed radiance map, and their plain evaluation in double precision.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
-#include <random>
+#include <functional>
+#include <string_view>
 #include <vector>
 
 #include "lightwell/lightwell.h"
@@ -18,6 +20,9 @@ struct SyntheticOptions {
   uint32_t blocks = 7, max_rank = 6;
   bool emitters = true;
   uint32_t seed = 1;
+  /// Called with each chunk's name and values before they are written, to damage them. Checksums stay right.
+  std::function<void(std::string_view, std::vector<uint32_t>&)> edit_u32 = [](std::string_view, std::vector<uint32_t>&) {};
+  std::function<void(std::string_view, std::vector<float>&)> edit_f32 = [](std::string_view, std::vector<float>&) {};
 };
 
 /// Everything that went into the container, decoded.
@@ -32,8 +37,8 @@ struct SyntheticPrm {
 
   uint32_t entries() const { return uint32_t(entry_weight.size()); }
   /// The atlas [height][width][4] that the runtime promises.
-  std::vector<double> evaluate(const std::vector<float>& cluster_irradiance, uint32_t emitters = LW_EMITTERS_INDIRECT, uint32_t brightest = 0,
-                               bool keep_energy = true) const;
+  std::vector<double> evaluate(const std::vector<float>& cluster_irradiance, uint32_t emitters = LW_EMITTERS_INDIRECT,
+                               uint32_t brightest = 0, bool keep_energy = true) const;
 };
 
 SyntheticPrm makeSyntheticPrm(const SyntheticOptions& options);

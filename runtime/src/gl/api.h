@@ -18,25 +18,29 @@ namespace lightwell::runtime::gl {
 using Enum = uint32_t;
 using Name = uint32_t;
 
-inline constexpr Enum
-    kNoError = 0, kOutOfMemory = 0x0505, kTriangles = 0x0004, kCullFace = 0x0B44, kViewport = 0x0BA2, kBlend = 0x0BE2, kColorLogicOp = 0x0BF2,
-    kScissorTest = 0x0C11, kColorWritemask = 0x0C23, kUnpackSwapBytes = 0x0CF0, kUnpackLsbFirst = 0x0CF1, kUnpackRowLength = 0x0CF2,
-    kUnpackSkipRows = 0x0CF3, kUnpackSkipPixels = 0x0CF4, kUnpackAlignment = 0x0CF5, kPackSwapBytes = 0x0D00, kPackLsbFirst = 0x0D01,
-    kPackRowLength = 0x0D02, kPackSkipRows = 0x0D03, kPackSkipPixels = 0x0D04, kPackAlignment = 0x0D05, kPolygonMode = 0x0B40,
-    kMaxTextureSize = 0x0D33, kTexture2d = 0x0DE1, kByte = 0x1400, kShort = 0x1402, kUnsignedInt = 0x1405, kFloat = 0x1406, kHalfFloat = 0x140B,
-    kRed = 0x1903, kRgb = 0x1907, kRgba = 0x1908, kFill = 0x1B02, kVersion = 0x1F02, kExtensions = 0x1F03, kNearest = 0x2600, kLinear = 0x2601,
-    kTextureMagFilter = 0x2800, kTextureMinFilter = 0x2801, kTextureWrapS = 0x2802, kTextureWrapT = 0x2803, kClipDistance0 = 0x3000,
-    kUnpackSkipImages = 0x806D, kUnpackImageHeight = 0x806E, kTextureWrapR = 0x8072, kTextureBinding2d = 0x8069, kClampToEdge = 0x812F,
-    kTextureMaxLevel = 0x813D, kMajorVersion = 0x821B, kMinorVersion = 0x821C, kNumExtensions = 0x821D, kR32f = 0x822E, kR32ui = 0x8236,
-    kRg32ui = 0x823C, kRgInteger = 0x8228, kTexture0 = 0x84C0, kActiveTexture = 0x84E0, kTextureCubeMap = 0x8513, kTextureBindingCubeMap = 0x8514,
-    kVertexArrayBinding = 0x85B5, kRgba32f = 0x8814, kRgba16f = 0x881A, kRgb16f = 0x881B, kTextureCompareMode = 0x884C,
-    kTextureCompareFunc = 0x884D, kCompareRefToTexture = 0x884E, kLequal = 0x0203, kGequal = 0x0206, kPixelPackBuffer = 0x88EB,
-    kPixelUnpackBuffer = 0x88EC, kPixelPackBufferBinding = 0x88ED, kPixelUnpackBufferBinding = 0x88EF, kMaxArrayTextureLayers = 0x88FF,
-    kSamplerBinding = 0x8919, kFragmentShader = 0x8B30, kVertexShader = 0x8B31, kCompileStatus = 0x8B81, kLinkStatus = 0x8B82,
-    kCurrentProgram = 0x8B8D, kTexture2dArray = 0x8C1A, kTextureBinding2dArray = 0x8C1D, kRgb9e5 = 0x8C3D, kUnsignedInt5999Rev = 0x8C3E,
-    kRasterizerDiscard = 0x8C89, kReadFramebuffer = 0x8CA8, kDrawFramebuffer = 0x8CA9, kDrawFramebufferBinding = 0x8CA6,
-    kReadFramebufferBinding = 0x8CAA, kFramebufferComplete = 0x8CD5, kColorAttachment0 = 0x8CE0, kRgba32ui = 0x8D70, kRgb16i = 0x8D89,
-    kRgb8i = 0x8D8F, kRedInteger = 0x8D94, kRgbInteger = 0x8D98, kRgbaInteger = 0x8D99, kRgba8Snorm = 0x8F97, kColor = 0x1800, kFrontAndBack = 0x0408;
+inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505, kTriangles = 0x0004, kCullFace = 0x0B44, kViewport = 0x0BA2, kBlend = 0x0BE2,
+                      kColorLogicOp = 0x0BF2, kScissorTest = 0x0C11, kColorWritemask = 0x0C23, kUnpackSwapBytes = 0x0CF0,
+                      kUnpackLsbFirst = 0x0CF1, kUnpackRowLength = 0x0CF2, kUnpackSkipRows = 0x0CF3, kUnpackSkipPixels = 0x0CF4,
+                      kUnpackAlignment = 0x0CF5, kPackSwapBytes = 0x0D00, kPackLsbFirst = 0x0D01, kPackRowLength = 0x0D02,
+                      kPackSkipRows = 0x0D03, kPackSkipPixels = 0x0D04, kPackAlignment = 0x0D05, kPolygonMode = 0x0B40,
+                      kMaxTextureSize = 0x0D33, kTexture2d = 0x0DE1, kByte = 0x1400, kShort = 0x1402, kUnsignedInt = 0x1405,
+                      kFloat = 0x1406, kHalfFloat = 0x140B, kRed = 0x1903, kRgb = 0x1907, kRgba = 0x1908, kFill = 0x1B02, kVersion = 0x1F02,
+                      kExtensions = 0x1F03, kNearest = 0x2600, kLinear = 0x2601, kTextureMagFilter = 0x2800, kTextureMinFilter = 0x2801,
+                      kTextureWrapS = 0x2802, kTextureWrapT = 0x2803, kClipDistance0 = 0x3000, kUnpackSkipImages = 0x806D,
+                      kUnpackImageHeight = 0x806E, kTextureWrapR = 0x8072, kTextureBinding2d = 0x8069, kClampToEdge = 0x812F,
+                      kTextureMaxLevel = 0x813D, kMajorVersion = 0x821B, kMinorVersion = 0x821C, kNumExtensions = 0x821D, kR32f = 0x822E,
+                      kR32ui = 0x8236, kRg32ui = 0x823C, kRgInteger = 0x8228, kTexture0 = 0x84C0, kActiveTexture = 0x84E0,
+                      kTextureCubeMap = 0x8513, kTextureBindingCubeMap = 0x8514, kVertexArrayBinding = 0x85B5, kRgba32f = 0x8814,
+                      kRgba16f = 0x881A, kRgb16f = 0x881B, kTextureCompareMode = 0x884C, kTextureCompareFunc = 0x884D,
+                      kCompareRefToTexture = 0x884E, kLequal = 0x0203, kGequal = 0x0206, kPixelPackBuffer = 0x88EB,
+                      kPixelUnpackBuffer = 0x88EC, kPixelPackBufferBinding = 0x88ED, kPixelUnpackBufferBinding = 0x88EF,
+                      kMaxArrayTextureLayers = 0x88FF, kSamplerBinding = 0x8919, kFragmentShader = 0x8B30, kVertexShader = 0x8B31,
+                      kCompileStatus = 0x8B81, kLinkStatus = 0x8B82, kCurrentProgram = 0x8B8D, kTexture2dArray = 0x8C1A,
+                      kTextureBinding2dArray = 0x8C1D, kRgb9e5 = 0x8C3D, kUnsignedInt5999Rev = 0x8C3E, kRasterizerDiscard = 0x8C89,
+                      kReadFramebuffer = 0x8CA8, kDrawFramebuffer = 0x8CA9, kDrawFramebufferBinding = 0x8CA6,
+                      kReadFramebufferBinding = 0x8CAA, kFramebufferComplete = 0x8CD5, kColorAttachment0 = 0x8CE0, kRgba32ui = 0x8D70,
+                      kRgb16i = 0x8D89, kRgb8i = 0x8D8F, kRedInteger = 0x8D94, kRgbInteger = 0x8D98, kRgbaInteger = 0x8D99,
+                      kRgba8Snorm = 0x8F97, kColor = 0x1800, kFrontAndBack = 0x0408;
 
 // X(return type, name without "gl", parameters)
 #define LW_GL_FUNCTIONS(X) \

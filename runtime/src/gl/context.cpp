@@ -30,8 +30,8 @@ Name compileShader(const lw_gl& context, gl::Enum type, std::initializer_list<co
 }
 
 /// Samplers are given in the order of the units that they read from.
-lw_result compile(const lw_gl& context, const char* what, std::initializer_list<const char*> fragment, std::initializer_list<const char*> samplers,
-                  std::initializer_list<const char*> uniforms, gl::Program& program) {
+lw_result compile(const lw_gl& context, const char* what, std::initializer_list<const char*> fragment,
+                  std::initializer_list<const char*> samplers, std::initializer_list<const char*> uniforms, gl::Program& program) {
   const gl::Api& api = context.api;
   lw_result result = LW_OK;
   const Name vertex_shader = compileShader(context, gl::kVertexShader, {gl::glsl::kVertex}, "vertex", result);
@@ -73,10 +73,10 @@ Name createShadowSampler(const gl::Api& api, gl::Enum compare) {
 
 lw_result lw_gl::compilePrograms() {
   using namespace gl::glsl;
-  lw_result result = compile(*this, "entry", {kAddress, kLight, kEntries},
-                             {"u_position", "u_normal", "u_previous", "u_shadow_2d", "u_shadow_cube", "u_visibility"},
-                             {"u_entries", "u_light_count", "u_accumulate", "u_shadow", "u_reversed", "u_light", "u_shadow_numbers", "u_shadow_matrix"},
-                             entries);
+  lw_result result = compile(
+      *this, "entry", {kAddress, kLight, kEntries},
+      {"u_position", "u_normal", "u_previous", "u_shadow_2d", "u_shadow_cube", "u_visibility"},
+      {"u_entries", "u_light_count", "u_accumulate", "u_shadow", "u_reversed", "u_light", "u_shadow_numbers", "u_shadow_matrix"}, entries);
   if (!result)
     result = compile(*this, "cluster", {kAddress, kClusters}, {"u_range", "u_position", "u_entry", "u_pane_sum"}, {"u_clusters"}, clusters);
   if (!result) result = compile(*this, "rank", {kAddress, kRank}, {"u_cluster"}, {"u_clusters"}, rank);
@@ -91,13 +91,14 @@ lw_result lw_gl::compilePrograms() {
                      {"u_blocks", "u_quads"}, coefficients);
   if (!result)
     result = compile(*this, "reconstruction", {kLocalBases, kReconstruct},
-                     {"lw_texel_map", "lw_basis", "lw_amount", "u_emitter_direct", "u_emitter_indirect"}, {"lw_quads", "u_emitters", "u_max"},
-                     reconstruct);
+                     {"lw_texel_map", "lw_basis", "lw_amount", "u_emitter_direct", "u_emitter_indirect"},
+                     {"lw_quads", "u_emitters", "u_max"}, reconstruct);
   return result;
 }
 
 lw_result lw_gl_create(const lw_gl_config* config, lw_gl** out) {
-  if (!config || config->size < sizeof(lw_gl_config) || !config->loader || !config->allocate != !config->release || !out) return LW_INVALID_ARGUMENT;
+  if (!config || config->size < sizeof(lw_gl_config) || !config->loader || !config->allocate != !config->release || !out)
+    return LW_INVALID_ARGUMENT;
   const lightwell::runtime::Host host({config->allocate, config->release, config->allocator_user}, config->message, config->message_user);
   lw_gl* context = lightwell::runtime::createHandle<lw_gl>(host);
   if (!context) return host.fail(LW_OUT_OF_MEMORY, "no memory for the handle of the GL evaluator");

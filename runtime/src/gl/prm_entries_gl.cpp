@@ -139,7 +139,8 @@ lw_result lw_gl_upload_visibility(lw_gl_prm* prm, uint32_t texture, const float*
 
 lw_result lw_gl_upload_cluster_irradiance(lw_gl_prm* prm, const float* irradiance_rgb) {
   if (!prm || !irradiance_rgb) return LW_INVALID_ARGUMENT;
-  if (!isIrradiance(irradiance_rgb, size_t(prm->clusters) * 3)) return prm->host.fail(LW_INVALID_ARGUMENT, "an irradiance is negative or not finite");
+  if (!isIrradiance(irradiance_rgb, size_t(prm->clusters) * 3))
+    return prm->host.fail(LW_INVALID_ARGUMENT, "an irradiance is negative or not finite");
   Array<float> rgba;
   const size_t padded = size_t(prm->cluster.width) * size_t(prm->cluster.height);
   if (!rgba.allocate(prm->host, padded * 4)) return prm->host.fail(LW_OUT_OF_MEMORY, "no memory for %u clusters", prm->clusters);

@@ -141,7 +141,9 @@ lw_result lw_gl_bind_local_bases(lw_gl_prm* prm, uint32_t program, uint32_t firs
     const char* sampler;
     Enum target;
     Name texture;
-  } textures[] = {{"lw_texel_map", kTexture2d, prm->texel_map}, {"lw_basis", kTexture2dArray, prm->basis}, {"lw_amount", kTexture2dArray, prm->amount.texture}};
+  } textures[] = {{"lw_texel_map", kTexture2d, prm->texel_map},
+                  {"lw_basis", kTexture2dArray, prm->basis},
+                  {"lw_amount", kTexture2dArray, prm->amount.texture}};
   uint32_t unit = first_unit;
   for (const auto& t : textures) {
     api.Uniform1i(api.GetUniformLocation(program, t.sampler), int32_t(unit));

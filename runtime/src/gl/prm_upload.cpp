@@ -26,7 +26,8 @@ class Uploader {
     out_.width = prm_.width;
     out_.height = prm_.height;
     if (int32_t(prm_.width) > api_.max_texture_size || int32_t(prm_.height) > api_.max_texture_size)
-      return out_.host.fail(LW_LIMIT_EXCEEDED, "the atlas of %u x %u texels is larger than the context's textures", prm_.width, prm_.height);
+      return out_.host.fail(LW_LIMIT_EXCEEDED, "the atlas of %u x %u texels is larger than the context's textures", prm_.width,
+                            prm_.height);
     if (h.entries > kMaxTargetElements || h.clusters >= kMaxTargetElements || uint64_t(out_.blocks) * out_.quads > kMaxTargetElements)
       return out_.host.fail(LW_LIMIT_EXCEEDED, "more than %llu entry points, clusters or coefficients",
                             static_cast<unsigned long long>(kMaxTargetElements));
@@ -38,7 +39,8 @@ class Uploader {
     makeTargets();
     if (!result_)
       if (const Enum error = api_.GetError(); error != kNoError)
-        return out_.host.fail(error == kOutOfMemory ? LW_OUT_OF_MEMORY : LW_GL_FAILED, "uploading the radiance maps: GL error 0x%04x", error);
+        return out_.host.fail(error == kOutOfMemory ? LW_OUT_OF_MEMORY : LW_GL_FAILED, "uploading the radiance maps: GL error 0x%04x",
+                              error);
     return result_;
   }
 
@@ -184,8 +186,8 @@ class Uploader {
     out_.owns_atlas = options_.atlas_texture == 0;
     out_.atlas.width = int32_t(out_.width);
     out_.atlas.height = int32_t(out_.height);
-    out_.atlas.texture = out_.owns_atlas ? createPicture(api_, full ? kTexelRgba32f : kTexelRgba16f, out_.atlas.width, out_.atlas.height, kLinear,
-                                                         nullptr, out_.texture_bytes)
+    out_.atlas.texture = out_.owns_atlas ? createPicture(api_, full ? kTexelRgba32f : kTexelRgba16f, out_.atlas.width, out_.atlas.height,
+                                                         kLinear, nullptr, out_.texture_bytes)
                                          : options_.atlas_texture;
     result_ = attachTarget(api_, out_.host, out_.atlas);
     if (result_) return;
@@ -234,8 +236,9 @@ void lw_gl_prm_destroy(lw_gl_prm* prm) {
   if (!prm->owns_atlas) prm->atlas.texture = 0;
   for (gl::Target* target : {&prm->entry[0], &prm->entry[1], &prm->cluster, &prm->rank, &prm->selected, &prm->amount, &prm->atlas})
     gl::destroyTarget(api, *target);
-  for (const gl::Name name : {prm->entry_position, prm->entry_normal, prm->cluster_range, prm->pane_sum, prm->texel_map, prm->emitter_direct,
-                              prm->emitter_indirect, prm->pane, prm->block, prm->link, prm->coefficient, prm->scale, prm->basis})
+  for (const gl::Name name :
+       {prm->entry_position, prm->entry_normal, prm->cluster_range, prm->pane_sum, prm->texel_map, prm->emitter_direct,
+        prm->emitter_indirect, prm->pane, prm->block, prm->link, prm->coefficient, prm->scale, prm->basis})
     if (name) api.DeleteTextures(1, &name);
   destroyHandle(prm);
 }

@@ -39,13 +39,13 @@ void uploadList(const Api& api, Name texture, const TexelFormat& format, uint64_
   const uint64_t full_rows = count / kRow, rest = count % kRow;
   for (uint64_t row = 0; row < full_rows;) {
     const uint64_t rows = std::min(full_rows - row, kRow - row % kRow);  // up to the end of the layer
-    api.TexSubImage3D(kTexture2dArray, 0, 0, int32_t(row % kRow), int32_t(row / kRow), int32_t(kRow), int32_t(rows), 1, format.format, format.type,
-                      bytes + row * kRow * format.bytes);
+    api.TexSubImage3D(kTexture2dArray, 0, 0, int32_t(row % kRow), int32_t(row / kRow), int32_t(kRow), int32_t(rows), 1, format.format,
+                      format.type, bytes + row * kRow * format.bytes);
     row += rows;
   }
   if (rest)
-    api.TexSubImage3D(kTexture2dArray, 0, 0, int32_t(full_rows % kRow), int32_t(full_rows / kRow), int32_t(rest), 1, 1, format.format, format.type,
-                      bytes + full_rows * kRow * format.bytes);
+    api.TexSubImage3D(kTexture2dArray, 0, 0, int32_t(full_rows % kRow), int32_t(full_rows / kRow), int32_t(rest), 1, 1, format.format,
+                      format.type, bytes + full_rows * kRow * format.bytes);
 }
 
 Name createList(const Api& api, const TexelFormat& format, uint64_t count, const void* data, uint64_t& texture_bytes) {
@@ -56,13 +56,15 @@ Name createList(const Api& api, const TexelFormat& format, uint64_t count, const
   api.GenTextures(1, &texture);
   api.BindTexture(kTexture2dArray, texture);
   setParameters(api, kTexture2dArray, kNearest);
-  api.TexImage3D(kTexture2dArray, 0, int32_t(format.internal), extent.width, extent.height, extent.layers, 0, format.format, format.type, nullptr);
+  api.TexImage3D(kTexture2dArray, 0, int32_t(format.internal), extent.width, extent.height, extent.layers, 0, format.format, format.type,
+                 nullptr);
   texture_bytes += uint64_t(extent.width) * extent.height * extent.layers * format.bytes;
   if (data && count) uploadList(api, texture, format, count, data);
   return texture;
 }
 
-Name createPicture(const Api& api, const TexelFormat& format, int32_t width, int32_t height, Enum filter, const void* data, uint64_t& texture_bytes) {
+Name createPicture(const Api& api, const TexelFormat& format, int32_t width, int32_t height, Enum filter, const void* data,
+                   uint64_t& texture_bytes) {
   Name texture = 0;
   api.GenTextures(1, &texture);
   api.BindTexture(kTexture2d, texture);
@@ -79,7 +81,8 @@ lw_result attachTarget(const Api& api, const Host& host, Target& target) {
   return checkFramebuffer(api, host);
 }
 
-lw_result createTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target, uint64_t& texture_bytes) {
+lw_result createTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target,
+                       uint64_t& texture_bytes) {
   const Extent extent = extentOf(count);
   target.width = extent.width;
   target.height = extent.height;
@@ -87,7 +90,8 @@ lw_result createTarget(const Api& api, const Host& host, const TexelFormat& form
   return attachTarget(api, host, target);
 }
 
-lw_result createLayeredTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target, uint64_t& texture_bytes) {
+lw_result createLayeredTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target,
+                              uint64_t& texture_bytes) {
   const Extent extent = extentOf(count);
   target.width = extent.width;
   target.height = extent.height;

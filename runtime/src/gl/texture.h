@@ -9,10 +9,11 @@ struct TexelFormat {
   Enum internal, format, type;
   uint32_t bytes;
 };
-inline constexpr TexelFormat kTexelRgba32f{kRgba32f, kRgba, kFloat, 16}, kTexelRgba16f{kRgba16f, kRgba, kHalfFloat, 8}, kTexelR32f{kR32f, kRed, kFloat, 4},
-    kTexelR32ui{kR32ui, kRedInteger, kUnsignedInt, 4}, kTexelRg32ui{kRg32ui, kRgInteger, kUnsignedInt, 8},
-    kTexelRgba32ui{kRgba32ui, kRgbaInteger, kUnsignedInt, 16}, kTexelRgb9e5{kRgb9e5, kRgb, kUnsignedInt5999Rev, 4},
-    kTexelRgb16f{kRgb16f, kRgb, kHalfFloat, 6}, kTexelRgb8i{kRgb8i, kRgbInteger, kByte, 3}, kTexelRgb16i{kRgb16i, kRgbInteger, kShort, 6},
+inline constexpr TexelFormat kTexelRgba32f{kRgba32f, kRgba, kFloat, 16}, kTexelRgba16f{kRgba16f, kRgba, kHalfFloat, 8},
+    kTexelR32f{kR32f, kRed, kFloat, 4}, kTexelR32ui{kR32ui, kRedInteger, kUnsignedInt, 4},
+    kTexelRg32ui{kRg32ui, kRgInteger, kUnsignedInt, 8}, kTexelRgba32ui{kRgba32ui, kRgbaInteger, kUnsignedInt, 16},
+    kTexelRgb9e5{kRgb9e5, kRgb, kUnsignedInt5999Rev, 4}, kTexelRgb16f{kRgb16f, kRgb, kHalfFloat, 6},
+    kTexelRgb8i{kRgb8i, kRgbInteger, kByte, 3}, kTexelRgb16i{kRgb16i, kRgbInteger, kShort, 6},
     kTexelRgba8Snorm{kRgba8Snorm, kRgba, kByte, 4};
 
 /// A list of elements in the layers of a GL_TEXTURE_2D_ARRAY: element i is at x = i % 2048, y = i / 2048 % 2048, layer i / 2048²
@@ -30,11 +31,14 @@ struct Target {
 inline constexpr uint64_t kMaxTargetElements = uint64_t(2048) * 2048;
 
 /// A picture; GL_TEXTURE_2D, clamped to the edge, bound to the active unit afterwards.
-Name createPicture(const Api& api, const TexelFormat& format, int32_t width, int32_t height, Enum filter, const void* data, uint64_t& texture_bytes);
+Name createPicture(const Api& api, const TexelFormat& format, int32_t width, int32_t height, Enum filter, const void* data,
+                   uint64_t& texture_bytes);
 /// For `count` elements. Fails with LW_GL_FAILED.
-lw_result createTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target, uint64_t& texture_bytes);
+lw_result createTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target,
+                       uint64_t& texture_bytes);
 /// Four layers, drawn into at once as colour attachments 0 to 3.
-lw_result createLayeredTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target, uint64_t& texture_bytes);
+lw_result createLayeredTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target,
+                              uint64_t& texture_bytes);
 /// A framebuffer around a texture that exists.
 lw_result attachTarget(const Api& api, const Host& host, Target& target);
 /// Sets all elements of a float target to zero.
