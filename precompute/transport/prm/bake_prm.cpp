@@ -41,20 +41,15 @@ struct PrmBaker::Impl {
   Sides sides;
   EntryClusters clusters;
   Gatherer gatherer;
-  Partition blocks;                  // of `block_slot`
-  std::vector<uint32_t> block_slot;  // slots of valid texels
+  Partition blocks;  // of the atlas's slots
   std::vector<PriorLight> training_lights;
   bool has_emitters = false;
 
   Impl(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings)
       : scene(scene), atlas(atlas), tracer(tracer), settings(settings), sides(surfaceSides(atlas)),
-        clusters(makeEntries(scene.mesh, atlas, sides, settings.entries)), gatherer(scene, atlas, tracer, sides, clusters, settings.seed) {
+        clusters(makeEntries(atlas, sides, settings.entries)), gatherer(scene, atlas, tracer, sides, clusters, settings.seed) {
     std::vector<SurfaceElement> elements;
-    for (uint32_t slot = 0; slot < atlas.slots.size(); ++slot) {
-      if (atlas.source[atlas.slots[slot].texel] != atlas.slots[slot].texel) continue;
-      block_slot.push_back(slot);
-      elements.push_back({atlas.slots[slot].position, atlas.slots[slot].normal});
-    }
+    for (const auto& slot : atlas.slots) elements.push_back({slot.position, slot.normal});
     const size_t aim = std::max<size_t>(1, elements.size() / std::max(1u, settings.bases.block_texels));
     blocks = partitionByCount(elements, aim, kBlockNormalExtent, 2 * size_t(settings.bases.block_texels));
     if (settings.layout == PrmLayoutKind::local_bases)
@@ -64,7 +59,7 @@ struct PrmBaker::Impl {
 
   std::vector<uint32_t> slotsOf(uint32_t block) const {
     std::vector<uint32_t> slots;
-    for (uint32_t i = blocks.first[block]; i < blocks.first[block + 1]; ++i) slots.push_back(block_slot[blocks.order[i]]);
+    for (uint32_t i = blocks.first[block]; i < blocks.first[block + 1]; ++i) slots.push_back(blocks.order[i]);
     std::sort(slots.begin(), slots.end());
     return slots;
   }
@@ -210,7 +205,9 @@ Bytes PrmBaker::fit(uint32_t first, uint32_t end, ByteView solved_bytes) const {
     const auto slots = impl.slotsOf(index);
     BasisBlock block;
     if (impl.settings.layout == PrmLayoutKind::local_bases) {
-      block = fitBlock(slots, impl.gatherer, impl.clusters, solved.multi_bounce, solved.training, solved.emitters, impl.settings.bases);
+      std::vector<float> area;
+      for (const uint32_t slot : slots) area.push_back(impl.atlas.slots[slot].area);
+      block = fitBlock(slots, impl.gatherer, impl.clusters, solved.training, solved.emitters, area, impl.settings.bases);
     } else {
       const auto panes = impl.settings.estimator == PaneEstimator::walks
                              ? walkPanes(slots, impl.atlas, impl.tracer, impl.clusters, walks)
@@ -237,7 +234,7 @@ Bytes PrmBaker::fit(uint32_t first, uint32_t end, ByteView solved_bytes) const {
   return writer.take();
 }
 
-PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const ByteView> emitter) const {
+PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const ByteView> emitter, ByteView solved_bytes) const {
   const auto& impl = *impl_;
   const bool local_bases = impl.settings.layout == PrmLayoutKind::local_bases;
   PrmResult result;
@@ -247,6 +244,15 @@ PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const B
   if (local_bases) {
     bases.block_first_texel.push_back(0);
     bases.block_first_link.push_back(0);
+    const uint32_t groups = bases.group_count = impl.clusters.group_count;
+    bases.cluster_group = impl.clusters.group_of_cluster;
+    for (uint32_t group = 0; group < groups; ++group) bases.cluster_group.push_back(group);
+    const Solved solved = impl.readSolved(solved_bytes);
+    bases.group_transport.resize(3 * size_t(groups) * groups);
+    for (uint32_t to = 0; to < groups; ++to)
+      for (uint32_t from = 0; from < groups; ++from)
+        for (int channel = 0; channel < 3; ++channel)
+          bases.group_transport[3 * (size_t(to) * groups + from) + channel] = std::max(0.0f, solved.multi_bounce[channel](to, from));
   }
   for (const auto& part : blocks)
     for (ByteReader reader(part); !reader.empty();) {

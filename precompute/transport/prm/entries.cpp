@@ -2,39 +2,84 @@
 
 #include <algorithm>
 
-#include "precompute/core/random.h"
 
 namespace lightwell::transport {
 namespace {
 
 // Normals of one cluster span at most this chord along each axis: about 30°. Perpendicular walls are never mixed.
 constexpr float kNormalExtent = 0.5f;
+// A piece counts as flat when no texel is farther from the plane through its centroid than this share of its radius.
+constexpr float kFlatness = 0.02f;
 
-/// `count` points on the listed sides, spread by area: stratified along the list, so that every part gets its share.
-void appendEntries(const scene::Mesh& mesh, const atlas::Atlas& atlas, const Sides& sides, std::span<const uint32_t> members, uint32_t count,
-                   const Sampler& sampler, PrmEntries& entries) {
-  std::vector<double> cumulative(members.size());
-  double total = 0;
-  for (size_t i = 0; i < members.size(); ++i) cumulative[i] = total += atlas.slots[sides.slot[members[i]]].area;
-  for (uint32_t k = 0; k < count; ++k) {
-    const double target = total * (k + sampler.get1D(k, 0)) / count;
-    const size_t chosen = std::min<size_t>(std::upper_bound(cumulative.begin(), cumulative.end(), target) - cumulative.begin(), members.size() - 1);
-    const auto point = sampleSide(mesh, atlas, sides, members[chosen], sampler.get1D(k, 1), sampler.get2D(k, 2));
-    entries.position.push_back(point.position);
-    entries.normal.push_back(point.normal);
-    entries.weight.push_back(1.0f / count);
+struct Member {
+  Vec3 position, normal;
+  float area;
+};
+
+/// One entry point for a piece of surface: its centroid, which makes the average of irradiance second-order accurate. Where the surface bends so much
+/// that the centroid leaves it, the nearest texel's centroid.
+void appendEntry(std::span<const Member> members, float total_area, PrmEntries& entries) {
+  Vec3 centroid(0.0f), normal(0.0f);
+  float area = 0, widest = 0;
+  for (const auto& member : members) {
+    centroid += member.position * member.area;
+    normal += member.normal * member.area;
+    area += member.area;
   }
+  centroid /= area;
+  const Member* nearest = &members[0];
+  for (const auto& member : members) {
+    if ((member.position - centroid).length2() < (nearest->position - centroid).length2()) nearest = &member;
+    widest = std::max(widest, (member.position - centroid).length());
+  }
+  bool flat = true;
+  for (const auto& member : members) flat = flat && std::abs((member.position - centroid).dot(nearest->normal)) <= kFlatness * widest;
+  entries.position.push_back(flat ? centroid : nearest->position);
+  entries.normal.push_back(flat ? normal.normalized() : nearest->normal);
+  entries.weight.push_back(area / total_area);
+}
+
+/// Halves the members by area across their longest extent until `count` pieces are left, and adds a point for each.
+void appendPieces(std::span<Member> members, uint32_t count, float total_area, PrmEntries& entries) {
+  if (count <= 1 || members.size() == 1) return appendEntry(members, total_area, entries);
+  Box3 box;
+  double area = 0;
+  for (const auto& member : members) {
+    box.extendBy(member.position);
+    area += member.area;
+  }
+  const int axis = box.majorAxis();
+  std::stable_sort(members.begin(), members.end(), [axis](const Member& a, const Member& b) { return a.position[axis] < b.position[axis]; });
+  const uint32_t left_count = count / 2;
+  const double left_area = area * left_count / count;
+  size_t split = 0;
+  for (double sum = 0; split < members.size() && sum + 0.5 * members[split].area < left_area; ++split) sum += members[split].area;
+  split = std::clamp<size_t>(split, 1, members.size() - 1);
+  appendPieces(members.first(split), left_count, total_area, entries);
+  appendPieces(members.subspan(split), count - left_count, total_area, entries);
+}
+
+/// `count` entry points (fewer where there are fewer texels) for the listed sides.
+void appendEntries(const atlas::Atlas& atlas, const Sides& sides, std::span<const uint32_t> member_sides, uint32_t count, PrmEntries& entries) {
+  std::vector<Member> members;
+  float total_area = 0;
+  for (const uint32_t side : member_sides) {
+    const auto& slot = atlas.slots[sides.slot[side]];
+    members.push_back({slot.position, sides.isBack(side) ? -slot.normal : slot.normal, slot.area});
+    total_area += slot.area;
+  }
+  appendPieces(members, count, total_area, entries);
   entries.cluster_first_entry.push_back(uint32_t(entries.position.size()));
 }
 
 }  // namespace
 
-EntryClusters makeEntries(const scene::Mesh& mesh, const atlas::Atlas& atlas, const Sides& sides, const EntryOptions& options) {
+EntryClusters makeEntries(const atlas::Atlas& atlas, const Sides& sides, const EntryOptions& options) {
   std::vector<SurfaceElement> elements;
   std::vector<uint32_t> element_side;
   for (uint32_t side = 0; side < sides.slot.size(); ++side) {
     const auto& slot = atlas.slots[sides.slot[side]];
-    if (atlas.source[slot.texel] != slot.texel) continue;  // buried: no light arrives, no ray should find it
+    if (atlas.source[slot.texel] != slot.texel) continue;  // mostly buried: would only darken its cluster
     elements.push_back({slot.position, sides.isBack(side) ? -slot.normal : slot.normal});
     element_side.push_back(side);
   }
@@ -87,18 +132,27 @@ EntryClusters makeEntries(const scene::Mesh& mesh, const atlas::Atlas& atlas, co
   result.cluster_count = uint32_t(result.group_of_cluster.size());
   result.group_count = groups.count();
 
+  // What is still seen of a buried texel is lit like the valid texel beside it.
+  for (uint32_t side = 0; side < sides.slot.size(); ++side) {
+    if (result.cluster_of_side[side] != kNone) continue;
+    const uint32_t source = atlas.source[atlas.slots[sides.slot[side]].texel];
+    if (source == kNone || atlas.texel_slot[source] == kNone) continue;
+    const uint32_t met = sides.met(atlas.texel_slot[source], !sides.isBack(side));
+    if (met != kNone) result.cluster_of_side[side] = result.cluster_of_side[met];
+  }
+
   const auto membersOf = [&](uint32_t first_cluster, uint32_t end_cluster) {
     const uint32_t begin = result.cluster_first_side[first_cluster], end = result.cluster_first_side[end_cluster];
     return std::span<const uint32_t>(result.cluster_side).subspan(begin, end - begin);
   };
   for (uint32_t c = 0; c < result.cluster_count; ++c)
-    appendEntries(mesh, atlas, sides, membersOf(c, c + 1), options.points_per_cluster, Sampler(options.seed, c), result.entries);
+    appendEntries(atlas, sides, membersOf(c, c + 1), options.points_per_cluster, result.entries);
   for (uint32_t g = 0; g < result.group_count; ++g) {
     const uint32_t first = result.group_first_cluster[g], end = result.group_first_cluster[g + 1];
     float area = 0;
     for (uint32_t c = first; c < end; ++c) area += result.area[c];
     result.area.push_back(area);
-    appendEntries(mesh, atlas, sides, membersOf(first, end), options.points_per_group, Sampler(options.seed, result.cluster_count + g), result.entries);
+    appendEntries(atlas, sides, membersOf(first, end), options.points_per_group, result.entries);
   }
   return result;
 }

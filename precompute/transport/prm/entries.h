@@ -11,14 +11,13 @@ struct EntryOptions {
   uint32_t groups = 1024;            // aimed at; what has been reflected once more is smooth
   uint32_t points_per_cluster = 4;
   uint32_t points_per_group = 8;
-  uint64_t seed = 1;
 };
 
 /// A partition of the lit sides into fine clusters, each inside one coarse group, with entry points for both.
 /// In PrmEntries the fine clusters come first, then the groups (as clusters of their own, number cluster_count + group).
 struct EntryClusters {
   uint32_t cluster_count = 0, group_count = 0;
-  std::vector<uint32_t> cluster_of_side;  // kNone for sides of buried texels
+  std::vector<uint32_t> cluster_of_side;  // a buried texel's is that of the valid texel it shows; kNone where there is none
   std::vector<uint32_t> group_of_cluster;
   std::vector<float> area;                // cluster_count + group_count, internal units²
   std::vector<uint32_t> cluster_first_side, cluster_side;  // the sides of each fine cluster
@@ -26,6 +25,6 @@ struct EntryClusters {
   PrmEntries entries;
 };
 
-EntryClusters makeEntries(const scene::Mesh& mesh, const atlas::Atlas& atlas, const Sides& sides, const EntryOptions& options);
+EntryClusters makeEntries(const atlas::Atlas& atlas, const Sides& sides, const EntryOptions& options);
 
 }  // namespace lightwell::transport

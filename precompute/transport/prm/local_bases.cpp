@@ -15,14 +15,20 @@ using Eigen::VectorXf;
 
 // Basis values are stored in eight bits with a sign.
 constexpr float kBasisSteps = 127.0f;
-// The share of a block's re-reflected light that dropped group links may carry; what they carried goes to the links that stay.
-constexpr double kDroppedShare = 0.02;
+// A texel's weight in the fit is one over its brightness plus this share of the block's: dark texels are seen, black ones do not rule.
+constexpr float kDarkFloor = 0.1f;
+// Beside the training lights, the basis is made for light on each single cluster: as strong as it typically is (at least this share of the
+// mean), with this weight against the training lights.
+constexpr float kUnseenFloor = 0.3f, kUnseenWeight = 0.5f;
 
-/// Principal components of the columns of `samples` (texels × samples): the fewest that leave the residual asked for, quantised.
-MatrixXf principalBasis(const MatrixXf& samples, const LocalBasesOptions& options) {
-  const MatrixXd gram = (samples * samples.transpose()).cast<double>();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(gram);
-  const Eigen::Index texels = gram.rows();
+/// Principal components of the columns of `samples` (texels × samples), rows weighted by `texel_weight`: the fewest that leave the residual asked
+/// for, quantised.
+MatrixXf principalBasis(const MatrixXf& samples, const VectorXf& texel_weight, const LocalBasesOptions& options) {
+  const MatrixXf weighted = texel_weight.asDiagonal() * samples;
+  const Eigen::Index texels = samples.rows();
+  MatrixXf gram = MatrixXf::Zero(texels, texels);
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(weighted);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(gram.cast<double>());
   const double total = std::max(0.0, solver.eigenvalues().sum());
   double residual = total;
   Eigen::Index rank = 0;
@@ -33,7 +39,7 @@ MatrixXf principalBasis(const MatrixXf& samples, const LocalBasesOptions& option
   }
   MatrixXf basis(texels, rank);
   for (Eigen::Index k = 0; k < rank; ++k) {
-    VectorXf column = solver.eigenvectors().col(texels - 1 - k).cast<float>();
+    VectorXf column = solver.eigenvectors().col(texels - 1 - k).cast<float>().cwiseQuotient(texel_weight);
     Eigen::Index largest;
     column.cwiseAbs().maxCoeff(&largest);
     column /= column[largest];  // the sign of an eigenvector is arbitrary: make its largest value +1
@@ -42,12 +48,21 @@ MatrixXf principalBasis(const MatrixXf& samples, const LocalBasesOptions& option
   return basis;
 }
 
-/// (UᵀU)⁻¹Uᵀ in double: least-squares coordinates in the quantised basis.
-MatrixXf pseudoInverse(const MatrixXf& basis) {
+/// The linear map (rank × texels) from a column of irradiance to its coordinates: weighted least squares in the quantised basis U, under the constraint
+/// that the area integral is kept. Without it every light that the basis was not made for would lose the part of its energy that lies outside.
+///   M = UᵀWU, P = M⁻¹UᵀW, a = Uᵀα;   P + M⁻¹a (aᵀM⁻¹a)⁻¹ (αᵀ − aᵀP)      with texel areas α (Lagrange multiplier)
+MatrixXf energyKeepingCoordinates(const MatrixXf& basis, const VectorXf& texel_weight, const VectorXf& area) {
   const MatrixXd u = basis.cast<double>();
-  return (u.transpose() * u).ldlt().solve(u.transpose()).cast<float>();
+  const Eigen::VectorXd weight = texel_weight.cast<double>().array().square();
+  const Eigen::VectorXd alpha = area.cast<double>();
+  const Eigen::LDLT<MatrixXd> normal_equations(u.transpose() * weight.asDiagonal() * u);
+  const MatrixXd coordinates = normal_equations.solve(u.transpose() * weight.asDiagonal());
+  const Eigen::VectorXd integral = u.transpose() * alpha;
+  const Eigen::VectorXd direction = normal_equations.solve(integral);
+  const double curvature = integral.dot(direction);
+  if (!(curvature > 0)) return coordinates.cast<float>();
+  return (coordinates + direction / curvature * (alpha.transpose() - integral.transpose() * coordinates)).cast<float>();
 }
-
 
 }  // namespace
 
@@ -79,8 +94,8 @@ TrainingLights makeTrainingLights(const EntryClusters& clusters, const ChannelMa
   return training;
 }
 
-BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const ChannelMatrices& multi_bounce,
-                    const TrainingLights& training, const EmitterLight& emitters, const LocalBasesOptions& options) {
+BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters,
+                    const TrainingLights& training, const EmitterLight& emitters, std::span<const float> slot_area, const LocalBasesOptions& options) {
   BasisBlock result;
   result.slot.assign(slots.begin(), slots.end());
   const BlockTransport transport = gatherBlock(slots, gatherer, clusters, options.rays);
@@ -115,31 +130,39 @@ BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, c
   for (int channel = 0; channel < 3; ++channel)
     samples.middleCols(channel * lights, lights) = samples.middleCols(channel * lights, lights) * light_weight.asDiagonal();
 
-  const MatrixXf basis = principalBasis(samples, options);
+  // Dark texels count as much as bright ones; and beside the training lights, light on any single cluster must find some answer in the basis.
+  VectorXf texel_weight = samples.rowwise().mean();
+  texel_weight = (texel_weight.array() + kDarkFloor * texel_weight.mean() + std::numeric_limits<float>::min()).inverse();
+  const VectorXf typical_direct = (direct * light_weight.asDiagonal()).rowwise().norm() / std::sqrt(float(std::max<Eigen::Index>(1, lights)));
+  const float typical_floor = kUnseenFloor * (links > 0 ? typical_direct.mean() : 0.0f);
+  MatrixXf extended(texels, 3 * lights + 3 * links);
+  extended.leftCols(3 * lights) = samples;
+  for (int channel = 0; channel < 3; ++channel)
+    extended.middleCols(3 * lights + channel * links, links) =
+        transport.from_cluster[channel] * ((typical_direct.array() + typical_floor) * (kUnseenWeight * std::sqrt(float(lights)))).matrix().asDiagonal();
+  const MatrixXf basis = principalBasis(extended, texel_weight, options);
   const Eigen::Index rank = basis.cols();
   result.rank = uint32_t(rank);
   if (rank == 0) return result;
-  const MatrixXf to_coordinates = pseudoInverse(basis);
-  const VectorXf basis_norm2 = basis.colwise().squaredNorm();
-  const double signal2 = samples.cast<double>().squaredNorm();
+  VectorXf area(texels);
+  for (Eigen::Index t = 0; t < texels; ++t) area[t] = slot_area[t];
+  const MatrixXf to_coordinates = energyKeepingCoordinates(basis, texel_weight, area);
+  const VectorXf basis_norm2 = (texel_weight.asDiagonal() * basis).colwise().squaredNorm();
+  const double signal2 = (texel_weight.asDiagonal() * samples).cast<double>().squaredNorm();
 
-  // Coordinates of the transport: from clusters (near, detailed) and from groups (everything after one more reflection).
-  std::array<MatrixXf, 3> from_cluster, from_group;
-  for (int channel = 0; channel < 3; ++channel) {
-    from_cluster[channel] = to_coordinates * transport.from_cluster[channel];
-    from_group[channel] = (to_coordinates * transport.from_group[channel]) * groupRows(transport.group, multi_bounce[channel]);
-  }
+  std::array<MatrixXf, 3> coordinates;
+  for (int channel = 0; channel < 3; ++channel) coordinates[channel] = to_coordinates * transport.from_cluster[channel];
 
   // Merge: what would go wrong if all clusters of a group shared the group's irradiance?
-  std::vector<std::pair<double, Eigen::Index>> merge_error(groups);
   std::vector<Eigen::Index> first_link(groups + 1, links);
   for (Eigen::Index l = links - 1; l >= 0; --l) first_link[transport.group_index[l]] = l;
+  std::vector<std::pair<double, Eigen::Index>> merge_error(groups);
   for (Eigen::Index g = 0; g < groups; ++g) {
     const Eigen::Index begin = first_link[g], count = first_link[g + 1] - begin;
     const MatrixXf deviation = (direct.middleRows(begin, count).rowwise() - group_direct.row(g)) * light_weight.asDiagonal();
     double error2 = 0;
     for (int channel = 0; channel < 3; ++channel) {
-      const MatrixXf wrong = from_cluster[channel].middleCols(begin, count) * deviation;
+      const MatrixXf wrong = coordinates[channel].middleCols(begin, count) * deviation;
       error2 += (wrong.array().square().colwise() * basis_norm2.array()).cast<double>().sum();
     }
     merge_error[g] = {error2, g};
@@ -151,41 +174,17 @@ BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, c
     spent2 += error2;
     if (spent2 > double(options.link_error) * options.link_error * signal2) break;
     merged[g] = 1;
-    for (int channel = 0; channel < 3; ++channel)
-      from_group[channel].col(transport.group[g]) +=
-          from_cluster[channel].middleCols(first_link[g], first_link[g + 1] - first_link[g]).rowwise().sum();
   }
 
-  // Drop the weakest group links up to a small share of their light, and give that share to the others.
-  const VectorXf mean_basis = basis.colwise().mean();
-  const VectorXf weighted_direct = training.direct.bottomRows(clusters.group_count) * light_weight;
-  std::vector<std::pair<double, uint32_t>> strength(clusters.group_count);
-  double total_strength = 0;
-  for (uint32_t group = 0; group < clusters.group_count; ++group) {
-    double sum = 0;
-    for (int channel = 0; channel < 3; ++channel) sum += std::abs(mean_basis.dot(from_group[channel].col(group)));
-    strength[group] = {sum * weighted_direct[group], group};
-    total_strength += strength[group].first;
-  }
-  std::sort(strength.begin(), strength.end());
-  std::vector<char> kept(clusters.group_count, 1);
-  double dropped = 0;
-  for (const auto& [value, group] : strength) {
-    if (dropped + value > kDroppedShare * total_strength) break;
-    dropped += value;
-    kept[group] = 0;
-  }
-  const float restore = total_strength > dropped ? float(total_strength / (total_strength - dropped)) : 1.0f;
-
-  const auto emit = [&](uint32_t cluster, const std::array<MatrixXf, 3>& coordinates, Eigen::Index column, float scale) {
+  const auto emit = [&](uint32_t cluster, Eigen::Index begin, Eigen::Index count) {
     result.link_cluster.push_back(cluster);
     for (Eigen::Index k = 0; k < rank; ++k)
-      for (int channel = 0; channel < 3; ++channel) result.coefficient.push_back(scale * coordinates[channel](k, column));
+      for (int channel = 0; channel < 3; ++channel) result.coefficient.push_back(coordinates[channel].row(k).segment(begin, count).sum());
   };
   for (Eigen::Index l = 0; l < links; ++l)
-    if (!merged[transport.group_index[l]]) emit(transport.cluster[l], from_cluster, l, 1.0f);
-  for (uint32_t group = 0; group < clusters.group_count; ++group)
-    if (kept[group]) emit(clusters.cluster_count + group, from_group, group, restore);
+    if (!merged[transport.group_index[l]]) emit(transport.cluster[l], l, 1);
+  for (Eigen::Index g = 0; g < groups; ++g)
+    if (merged[g]) emit(clusters.cluster_count + transport.group[g], first_link[g], first_link[g + 1] - first_link[g]);
 
   result.basis.resize(texels * rank);
   for (Eigen::Index t = 0; t < texels; ++t)

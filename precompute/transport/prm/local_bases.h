@@ -14,7 +14,7 @@ struct LocalBasesOptions {
   uint32_t block_texels = 96;      // aimed at
   uint32_t most_rank = 16;         // 1 … 64
   float rank_error = 0.02f;        // a block's rank is the least that leaves this relative residual under the training lights
-  float link_error = 0.01f;        // clusters merge into groups, and links are dropped, up to this relative error under the training lights
+  float link_error = 0.01f;        // clusters merge into groups up to this relative error under the training lights
   uint32_t rays = 512;             // gathered per texel
 };
 
@@ -45,8 +45,8 @@ struct BasisBlock {
   std::vector<Rgb> emitter_indirect_rgb;  // [texel]; empty without emitters
 };
 
-/// Traces the block's texels and fits its basis. Depends on nothing but its arguments.
-BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const ChannelMatrices& multi_bounce,
-                    const TrainingLights& training, const EmitterLight& emitters, const LocalBasesOptions& options);
+/// Traces the block's texels and fits its basis. `slot_area` are their areas. Depends on nothing but its arguments.
+BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters,
+                    const TrainingLights& training, const EmitterLight& emitters, std::span<const float> slot_area, const LocalBasesOptions& options);
 
 }  // namespace lightwell::transport

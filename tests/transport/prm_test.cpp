@@ -1,0 +1,210 @@
+// Precomputed radiance maps against closed forms, against each other and against path tracing.
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "precompute/atlas/validity.h"
+#include "precompute/core/parallel.h"
+#include "precompute/transport/prm/bake_prm.h"
+#include "precompute/transport/prm/entry_irradiance.h"
+#include "precompute/transport/prm/evaluate.h"
+#include "precompute/transport/prm/panes.h"
+#include "precompute/transport/reference/reference.h"
+#include "tests/support/scenes.h"
+
+namespace lightwell::transport {
+namespace {
+
+/// A scene with everything that a bake derives from it.
+struct Prepared {
+  scene::Scene scene;
+  atlas::Atlas atlas;
+  std::unique_ptr<trace::Tracer> tracer;
+  explicit Prepared(scene::Scene s, int size = 48) : scene(std::move(s)) {
+    Diagnostics diagnostics;
+    atlas = atlas::buildAtlas(scene, {.size = size}, diagnostics);
+    tracer = std::make_unique<trace::Tracer>(scene, 1);
+    atlas::fillInvalid(atlas, scene, *tracer, 1, 1, nullptr);
+  }
+};
+
+PrmSettings smallSettings(PrmLayoutKind layout) {
+  PrmSettings settings;
+  settings.layout = layout;
+  settings.entries.clusters = layout == PrmLayoutKind::panes ? 48 : 400;
+  settings.entries.groups = layout == PrmLayoutKind::panes ? 48 : 100;
+  settings.bases.rays = 128;
+  settings.bases.block_texels = 64;
+  settings.training_lights = 48;
+  settings.group_rays = 256;
+  return settings;
+}
+
+/// Runs all stages, cut into ranges of `grain`, on `threads` threads.
+PrmResult bake(const PrmBaker& baker, uint32_t grain, int threads) {
+  const auto stage = [&](uint32_t count, auto function) {
+    std::vector<Bytes> parts((count + grain - 1) / grain);
+    parallelFor(parts.size(), 1, threads, nullptr, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) parts[i] = function(uint32_t(i * grain), std::min(count, uint32_t((i + 1) * grain)));
+    });
+    return parts;
+  };
+  const auto views = [](const std::vector<Bytes>& parts) { return std::vector<ByteView>(parts.begin(), parts.end()); };
+  const auto one_bounce = stage(baker.groupCount(), [&](uint32_t a, uint32_t b) { return baker.oneBounce(a, b); });
+  const auto training = stage(baker.trainingLightCount(), [&](uint32_t a, uint32_t b) { return baker.trainingDirect(a, b); });
+  const auto emitter = stage(baker.hasEmitters() ? baker.sideCount() : 0, [&](uint32_t a, uint32_t b) { return baker.emitterDirect(a, b); });
+  const Bytes solved = baker.solve(views(one_bounce), views(training), views(emitter));
+  const auto blocks = stage(baker.blockCount(), [&](uint32_t a, uint32_t b) { return baker.fit(a, b, solved); });
+  return baker.assemble(views(blocks), views(emitter), solved);
+}
+
+scene::Scene roomWithBox(float albedo) {
+  test::SceneBuilder builder;
+  const uint32_t wall = builder.material(test::diffuse(albedo));
+  scene::Material red = test::diffuse(albedo);
+  red.base_color = Rgb(albedo, 0.2f * albedo, 0.1f * albedo);
+  const uint32_t red_wall = builder.material(red);
+  builder.room({-4, -3, -4}, {4, 3, 4}, wall);
+  builder.quad({-2, -1, -2}, {0, 0, 4}, {3, 0, 0}, red_wall);  // a shelf that faces up …
+  builder.quad({-2, -1.1f, -2}, {3, 0, 0}, {0, 0, 4}, wall);   // … and down
+  return builder.take();
+}
+
+double relativeRmse(const PrmResult& prm, const std::vector<Rgb>& value_rgb, const atlas::Atlas& atlas, const std::vector<Rgb>& reference_rgb) {
+  double error = 0, signal = 0;
+  for (size_t i = 0; i < prm.texel.size(); ++i) {
+    const Rgb r = reference_rgb[atlas.texel_slot[prm.texel[i]]];
+    error += (value_rgb[i] - r).length2();
+    signal += r.length2();
+  }
+  return std::sqrt(error / signal);
+}
+
+TEST(PrmFurnace, UnitLightEverywhereInAClosedRoomGivesTheGeometricSeries) {
+  // Every ray of a closed room of albedo a meets albedo a, so unit direct irradiance gives a + a² + … = a / (1 − a), whatever the noise.
+  for (const float albedo : {0.5f, 0.9f, 0.99f}) {
+    Prepared p(test::closedBox({4, 3, 5}, test::diffuse(albedo)));
+    for (const auto layout : {PrmLayoutKind::panes, PrmLayoutKind::local_bases}) {
+      PrmBaker baker(p.scene, p.atlas, *p.tracer, smallSettings(layout));
+      const PrmResult prm = bake(baker, 16, 2);
+      const std::vector<Rgb> ones(prm.entries.clusterCount(), Rgb(1.0f));
+      const auto irradiance_rgb = evaluatePrm(prm, ones);
+      double worst = 0, mean = 0;
+      for (const auto& value : irradiance_rgb) {
+        worst = std::max(worst, std::abs(double(value.y) * (1 - albedo) / albedo - 1));
+        mean += double(value.y) * (1 - albedo) / albedo / double(irradiance_rgb.size());
+      }
+      EXPECT_NEAR(mean, 1.0, layout == PrmLayoutKind::panes ? 1e-3 : 5e-3) << "albedo " << albedo;
+      EXPECT_LT(worst, layout == PrmLayoutKind::panes ? 2e-3 : 0.08) << "albedo " << albedo;
+    }
+  }
+}
+
+TEST(Prm, LocalBasesAgreeWithPathTracingForLightsThatWereNotTrainedOn) {
+  Prepared p(roomWithBox(0.6f));
+  PrmBaker baker(p.scene, p.atlas, *p.tracer, smallSettings(PrmLayoutKind::local_bases));
+  const PrmResult prm = bake(baker, 16, 2);
+  for (const Vec3 position : {Vec3(1, 1, 1), Vec3(-1, 1.5f, 2), Vec3(2, -2, -2)}) {
+    const scene::Light light = test::pointLight(position, 10);
+    const auto value_rgb = evaluatePrm(prm, clusterIrradiance(prm.entries, *p.tracer, light));
+    ReferenceOptions options;
+    options.samples = 256;
+    const auto reference = referenceIrradiance(p.scene, p.atlas, *p.tracer, {light}, Component::indirect, options);
+    EXPECT_LT(relativeRmse(prm, value_rgb, p.atlas, reference.irradiance_rgb), 0.10);
+    double mean = 0, reference_mean = 0;
+    for (size_t i = 0; i < prm.texel.size(); ++i) {
+      mean += luminance(value_rgb[i]);
+      reference_mean += luminance(reference.irradiance_rgb[p.atlas.texel_slot[prm.texel[i]]]);
+    }
+    EXPECT_NEAR(mean / reference_mean, 1.0, 0.02);
+  }
+}
+
+TEST(Prm, TheWalksOfThePaperAndGatheringEstimateTheSamePanes) {
+  Prepared p(roomWithBox(0.5f), 32);
+  PrmSettings settings = smallSettings(PrmLayoutKind::panes);
+  settings.entries.points_per_group = 64;
+  settings.walks_per_entry = 4;
+  const auto total = [&](PaneEstimator estimator) {
+    settings.estimator = estimator;
+    const PrmResult prm = bake(PrmBaker(p.scene, p.atlas, *p.tracer, settings), 16, 2);
+    const std::vector<Rgb> ones(prm.entries.clusterCount(), Rgb(1.0f));
+    // Medians: the walks' geometric term has spikes near corners, which is why gathering is the default.
+    std::vector<float> values;
+    for (const auto& value : evaluatePrm(prm, ones)) values.push_back(value.y);
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return double(values[values.size() / 2]);
+  };
+  const double gather = total(PaneEstimator::gather);
+  EXPECT_NEAR(total(PaneEstimator::walks) / gather, 1.0, 0.05);
+}
+
+TEST(Prm, TheBrightestPanesKeepTheEnergyOfAll) {
+  Prepared p(roomWithBox(0.6f), 32);
+  PrmBaker baker(p.scene, p.atlas, *p.tracer, smallSettings(PrmLayoutKind::panes));
+  const PrmResult prm = bake(baker, 16, 2);
+  const auto irradiance_rgb = clusterIrradiance(prm.entries, *p.tracer, test::pointLight({1, 1, 1}, 10));
+  const auto sum = [](const std::vector<Rgb>& values) { return std::accumulate(values.begin(), values.end(), Rgb(0.0f)); };
+  const Rgb all = sum(evaluatePrm(prm, irradiance_rgb)), some = sum(evaluatePrm(prm, irradiance_rgb, 8));
+  for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(some[channel] / all[channel], 1.0f, 1e-3f);
+}
+
+TEST(Prm, TheSameBytesForAnyThreadsAndRanges) {
+  Prepared p(roomWithBox(0.6f), 24);
+  PrmSettings settings = smallSettings(PrmLayoutKind::local_bases);
+  settings.bases.rays = 32;
+  PrmBaker baker(p.scene, p.atlas, *p.tracer, settings);
+  const PrmResult a = bake(baker, 7, 1), b = bake(baker, 13, 3);
+  EXPECT_EQ(a.texel, b.texel);
+  EXPECT_EQ(a.bases.basis, b.bases.basis);
+  EXPECT_EQ(a.bases.coefficient, b.bases.coefficient);
+  EXPECT_EQ(a.bases.link_cluster, b.bases.link_cluster);
+}
+
+TEST(Prm, ASceneThatReflectsNothingHasNoIndirectLight) {
+  Prepared p(test::closedBox({4, 3, 5}, test::diffuse(0.0f)), 16);
+  PrmBaker baker(p.scene, p.atlas, *p.tracer, smallSettings(PrmLayoutKind::local_bases));
+  const PrmResult prm = bake(baker, 16, 1);
+  for (const auto& value : evaluatePrm(prm, clusterIrradiance(prm.entries, *p.tracer, test::pointLight({0, 0, 0}, 10)))) EXPECT_EQ(value, Rgb(0.0f));
+}
+
+TEST(Prm, EmittersGiveTheFurnaceItsConstantPane) {
+  // Closed room, emission 1, albedo a: direct irradiance is π, indirect π a / (1 − a).
+  Prepared p(test::closedBox({4, 3, 5}, test::diffuse(0.5f, 1.0f)), 24);
+  PrmBaker baker(p.scene, p.atlas, *p.tracer, smallSettings(PrmLayoutKind::local_bases));
+  const PrmResult prm = bake(baker, 16, 2);
+  ASSERT_EQ(prm.emitter_direct_rgb.size(), prm.texel.size());
+  double direct = 0, indirect = 0;
+  for (size_t i = 0; i < prm.texel.size(); ++i) {
+    direct += prm.emitter_direct_rgb[i].y / double(prm.texel.size());
+    indirect += prm.emitter_indirect_rgb[i].y / double(prm.texel.size());
+  }
+  EXPECT_NEAR(direct, kPi, 0.02 * kPi);
+  EXPECT_NEAR(indirect, kPi, 0.02 * kPi);
+}
+
+TEST(PrmPartition, EveryElementOnceAndNoGroupWiderThanAsked) {
+  std::vector<SurfaceElement> elements;
+  for (int i = 0; i < 2000; ++i) {
+    const float angle = 0.013f * float(i);
+    elements.push_back({Vec3(std::cos(angle), std::sin(angle), 0.001f * float(i)), Vec3(std::cos(angle), std::sin(angle), 0)});
+  }
+  const Partition partition = partitionByExtent(elements, 0.3f, 0.5f, 40);
+  std::vector<int> seen(elements.size(), 0);
+  for (uint32_t g = 0; g < partition.count(); ++g) {
+    EXPECT_LE(partition.first[g + 1] - partition.first[g], 40u);
+    Box3 positions, normals;
+    for (uint32_t i = partition.first[g]; i < partition.first[g + 1]; ++i) {
+      ++seen[partition.order[i]];
+      positions.extendBy(elements[partition.order[i]].position);
+      normals.extendBy(elements[partition.order[i]].normal);
+    }
+    EXPECT_LE(maxComponent(positions.size()), 0.3f + 1e-5f);
+    EXPECT_LE(maxComponent(normals.size()), 0.5f + 1e-5f);
+  }
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), int(elements.size()));
+  EXPECT_NEAR(partitionByCount(elements, 100, 0.5f, 2000).count(), 100, 25);
+}
+
+}  // namespace
+}  // namespace lightwell::transport
