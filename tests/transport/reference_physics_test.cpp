@@ -58,6 +58,15 @@ TEST(FormFactor, FacingUnitSquaresAtUnitDistance) {
   EXPECT_EQ(meanIrradiance(scene, atlas, Component::indirect, 64), 0);
 }
 
+TEST(FormFactor, CoincidentEmittersShineOnce) {
+  SceneBuilder builder;
+  const uint32_t lamp = builder.material(diffuse(0, 1)), black = builder.material(diffuse(0));
+  builder.quad(Vec3(-0.5f, 0, -0.5f), Vec3(0, 0, 1), Vec3(1, 0, 0), black);
+  for (int i = 0; i < 2; ++i) builder.quad(Vec3(-0.5f, 1, -0.5f), Vec3(1, 0, 0), Vec3(0, 0, 1), lamp);
+  const scene::Scene scene = builder.take();
+  EXPECT_NEAR(meanIrradiance(scene, quadAtlas(scene, 8, {0}), Component::direct, 256) / (0.199825 * kPi), 1, 0.005);
+}
+
 TEST(ClosedRoom, APointLightsPowerIsAbsorbedByTheWalls) {
   scene::Scene scene = closedBox(Vec3(1), diffuse(0.7f));
   scene.lights.push_back(pointLight(Vec3(0, 0.9f, 0), 1));

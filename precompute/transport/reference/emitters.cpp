@@ -47,18 +47,14 @@ uint32_t divisionsFor(const scene::Scene& scene, uint32_t triangle) {
   return uint32_t(std::clamp(std::ceil(texels / kTexelsPerPiece), 1.0f, float(kMaxDivisions)));
 }
 
-Rgb emittedRadiance(const scene::Scene& scene, uint32_t triangle, float u, float v) {
-  const scene::SurfaceColor color = scene::surfaceColor(scene, triangle, u, v);
-  return color.emitted_radiance_rgb * color.alpha;
-}
-
-/// Mean luminance over a piece, from a regular grid of points (exact for a constant emission).
+/// Mean luminance, times alpha, over a piece, from a regular grid of points (exact for a constant emission).
 float meanLuminance(const scene::Scene& scene, uint32_t triangle, const Piece& piece) {
   double sum = 0;
   for (int j = 0; j < kPowerSamples; ++j)
     for (int i = 0; i < kPowerSamples; ++i) {
       const Vec2 b = sampleTriangle({(float(i) + 0.5f) / kPowerSamples, (float(j) + 0.5f) / kPowerSamples});
-      sum += luminance(emittedRadiance(scene, triangle, piece.u0 + b.x * piece.step, piece.v0 + b.y * piece.step));
+      const scene::SurfaceColor color = scene::surfaceColor(scene, triangle, piece.u0 + b.x * piece.step, piece.v0 + b.y * piece.step);
+      sum += luminance(color.emitted_radiance_rgb) * color.alpha;
     }
   return float(sum / (kPowerSamples * kPowerSamples));
 }
@@ -107,9 +103,10 @@ std::optional<Emitters::Sample> Emitters::sample(const Vec3& position, const Vec
   const auto& corner = scene_.mesh.triangles[emitter.triangle];
   const auto& p = scene_.mesh.positions;
   Sample sample;
+  sample.triangle = emitter.triangle;
   sample.position = p[corner[0]] * (1.0f - u - v) + p[corner[1]] * u + p[corner[2]] * v;
   sample.geometric_normal = emitter.geometric_normal;
-  sample.radiance_rgb = emittedRadiance(scene_, emitter.triangle, u, v);
+  sample.radiance_rgb = scene::surfaceColor(scene_, emitter.triangle, u, v).emitted_radiance_rgb;
   sample.pdf_area = pick.probability * float(emitter.divisions * emitter.divisions) / emitter.area;
   sample.double_sided = scene_.materials[scene_.mesh.triangle_material[emitter.triangle]].double_sided;
   return sample;

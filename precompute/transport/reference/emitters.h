@@ -18,8 +18,9 @@ class Emitters {
   bool empty() const { return tree_.empty(); }
 
   struct Sample {
+    uint32_t triangle;
     Vec3 position, geometric_normal;  // internal units; front side
-    Rgb radiance_rgb;                 // emitted, times alpha
+    Rgb radiance_rgb;                 // emitted; alpha is not in it
     float pdf_area;                   // per internal unit², > 0
     bool double_sided;
   };

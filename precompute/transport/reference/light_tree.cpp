@@ -9,7 +9,18 @@ namespace {
 
 constexpr int kBuckets = 12;
 constexpr int kMaxHeuristicDepth = 48;  // below it nodes are halved by count, so that no input makes a deep tree
-constexpr float kAngleSlack = 1e-3f;    // radians; rounding must never hide a light that shines
+constexpr float kCosineSlack = 1e-3f;   // rounding must never hide a light that shines
+
+/// An angle in [0, π] by its cosine and sine.
+struct Angle {
+  float cosine, sine;
+};
+float sineOf(float cosine) { return std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)); }
+/// max(0, a − b)
+Angle difference(const Angle& a, const Angle& b) {
+  if (a.cosine >= b.cosine) return {1.0f, 0.0f};
+  return {a.cosine * b.cosine + a.sine * b.sine, a.sine * b.cosine - a.cosine * b.sine};
+}
 
 float angleBetween(const Vec3& a, const Vec3& b) {
   return 2.0f * std::atan2((a - b).length(), (a + b).length());  // Kahan: exact near 0 and π
@@ -100,22 +111,32 @@ uint32_t* split(uint32_t* begin, uint32_t* end, std::span<const LightBounds> ite
 
 }  // namespace
 
-float lightImportance(const LightBounds& bounds, const Vec3& position, const Vec3& normal) {
-  const Vec3 center = bounds.box.center(), to_light = center - position;
-  const float radius2 = 0.25f * bounds.box.size().length2(), center_distance2 = to_light.length2();
-  const float distance2 = std::max({center_distance2, radius2, 1e-12f});
-  if (center_distance2 <= radius2 || center_distance2 == 0.0f) return bounds.power / distance2;  // inside: any direction
+LightTree::Reach::Reach(const LightBounds& bounds)
+    : center(bounds.box.isEmpty() ? Vec3(0.0f) : bounds.box.center()),
+      radius2(bounds.box.isEmpty() ? 0.0f : 0.25f * bounds.box.size().length2()),
+      axis(bounds.axis),
+      cos_normal_spread(std::cos(bounds.normal_spread)),
+      sin_normal_spread(std::sin(bounds.normal_spread)),
+      cos_emission_spread(std::cos(std::min(bounds.emission_spread, kPi)) - kCosineSlack),
+      power(bounds.power),
+      two_sided(bounds.two_sided) {}
 
+float LightTree::Reach::importance(const Vec3& position, const Vec3& normal) const {
+  const Vec3 to_light = center - position;
+  const float center_distance2 = to_light.length2();
+  if (center_distance2 <= radius2 || center_distance2 == 0.0f) return power / std::max(radius2, 1e-12f);  // inside: any direction
   const Vec3 direction = to_light / std::sqrt(center_distance2);
-  const float box_angle = std::asin(std::min(1.0f, std::sqrt(radius2 / center_distance2))) + kAngleSlack;
-  float cos_axis = -direction.dot(bounds.axis);
-  if (bounds.two_sided) cos_axis = std::abs(cos_axis);
-  const float axis_angle = std::acos(std::clamp(cos_axis, -1.0f, 1.0f));
-  const float emission_angle = std::max(0.0f, axis_angle - bounds.normal_spread - box_angle);
-  if (emission_angle > bounds.emission_spread) return 0.0f;
-  const float incidence_angle = std::max(0.0f, std::acos(std::clamp(direction.dot(normal), -1.0f, 1.0f)) - box_angle);
-  if (incidence_angle >= kPi / 2) return 0.0f;
-  return bounds.power * std::max(std::cos(emission_angle), 1e-3f) * std::max(std::cos(incidence_angle), 1e-3f) / distance2;
+  const float sin2_box = radius2 / center_distance2, cos_box = std::sqrt(1.0f - sin2_box), sin_box = std::sqrt(sin2_box);
+
+  float cos_axis = -direction.dot(axis);
+  if (two_sided) cos_axis = std::abs(cos_axis);
+  const Angle beyond_normals = difference({cos_axis, sineOf(cos_axis)}, {cos_normal_spread, sin_normal_spread});
+  const Angle emission = difference(beyond_normals, {cos_box, sin_box});
+  if (emission.cosine < cos_emission_spread) return 0.0f;
+  const float cos_normal = direction.dot(normal);
+  const Angle incidence = difference({cos_normal, sineOf(cos_normal)}, {cos_box, sin_box});
+  if (incidence.cosine < -kCosineSlack) return 0.0f;
+  return power * std::max(emission.cosine, kCosineSlack) * std::max(incidence.cosine, kCosineSlack) / center_distance2;
 }
 
 LightTree::LightTree(std::span<const LightBounds> items) : leaf_(items.size(), kNone) {
@@ -130,32 +151,35 @@ LightTree::LightTree(std::span<const LightBounds> items) : leaf_(items.size(), k
   };
   nodes_.reserve(2 * order.size() - 1);
   nodes_.emplace_back();
+  std::vector<LightBounds> bounds(1);  // of the nodes
   std::vector<Work> stack{{0, order.data(), order.data() + order.size(), 0}};
   while (!stack.empty()) {
     const Work work = stack.back();
     stack.pop_back();
     if (work.end - work.begin == 1) {
       nodes_[work.node].item = *work.begin;
-      nodes_[work.node].bounds = items[*work.begin];
+      bounds[work.node] = items[*work.begin];
       leaf_[*work.begin] = work.node;
       continue;
     }
     const uint32_t child = uint32_t(nodes_.size());
     nodes_[work.node].first_child = child;
     nodes_.resize(child + 2);
+    bounds.resize(child + 2);
     nodes_[child].parent = nodes_[child + 1].parent = work.node;
     uint32_t* middle = split(work.begin, work.end, items, work.depth);
     stack.push_back({child, work.begin, middle, work.depth + 1});
     stack.push_back({child + 1, middle, work.end, work.depth + 1});
   }
-  for (size_t i = nodes_.size(); i-- > 0;)  // children come after their parent
-    if (const uint32_t child = nodes_[i].first_child; child != kNone)
-      nodes_[i].bounds = unite(nodes_[child].bounds, nodes_[child + 1].bounds);
+  for (size_t i = nodes_.size(); i-- > 0;) {  // children come after their parent
+    if (const uint32_t child = nodes_[i].first_child; child != kNone) bounds[i] = unite(bounds[child], bounds[child + 1]);
+    nodes_[i].reach = Reach(bounds[i]);
+  }
 }
 
 float LightTree::firstChildProbability(uint32_t first_child, const Vec3& position, const Vec3& normal) const {
-  const float first = lightImportance(nodes_[first_child].bounds, position, normal);
-  const float second = lightImportance(nodes_[first_child + 1].bounds, position, normal);
+  const float first = nodes_[first_child].reach.importance(position, normal);
+  const float second = nodes_[first_child + 1].reach.importance(position, normal);
   return first + second > 0.0f ? first / (first + second) : -1.0f;
 }
 

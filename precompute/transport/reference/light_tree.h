@@ -37,8 +37,21 @@ class LightTree {
   float probability(uint32_t item, const Vec3& position, const Vec3& normal) const;
 
  private:
+  /// LightBounds as `importance` wants them: sphere and cosines instead of box and angles.
+  struct Reach {
+    Vec3 center;
+    float radius2;
+    Vec3 axis;
+    float cos_normal_spread, sin_normal_spread, cos_emission_spread;
+    float power;
+    bool two_sided;
+
+    explicit Reach(const LightBounds& bounds);
+    /// Upper estimate, up to a common factor, of the irradiance given to a point. Zero only when nothing is given.
+    float importance(const Vec3& position, const Vec3& normal) const;
+  };
   struct Node {
-    LightBounds bounds;
+    Reach reach{LightBounds{}};
     uint32_t parent = kNone;
     uint32_t first_child = kNone;  // the second one follows it; kNone: a leaf
     uint32_t item = kNone;
@@ -49,8 +62,5 @@ class LightTree {
   std::vector<Node> nodes_;
   std::vector<uint32_t> leaf_;  // item to node, kNone for items left out
 };
-
-/// Upper estimate, up to a common factor, of the irradiance that lights within `bounds` give to a point. Zero only when they give none.
-float lightImportance(const LightBounds& bounds, const Vec3& position, const Vec3& normal);
 
 }  // namespace lightwell::transport

@@ -59,19 +59,28 @@ void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& ir
 
   while (!paths_.empty()) {
     if (cancel) cancel->check();
-    shadow_rays_.clear(), contributions_.clear(), rays_.clear();
+    rays_.clear(), light_rays_.clear(), light_contributions_.clear(), emitter_rays_.clear(), emitter_contributions_.clear();
     size_t going_on = 0;
     for (Path& path : paths_) {
       const PathStart& start = starts[path.index];
-      if (component != Component::indirect || path.depth > 0) estimateDirect(path, start);
+      if (component != Component::indirect || path.depth > 0) {
+        aimAtLights(path, start);
+        if (!emitters.empty()) aimAtEmitter(path, start);
+      }
       if (scatter(path, start)) paths_[going_on++] = path;
     }
     paths_.resize(going_on);
 
-    transmittance_.resize(shadow_rays_.size());
-    tracer.transmittance(shadow_rays_, transmittance_);
-    for (size_t i = 0; i < contributions_.size(); ++i)
-      irradiance_rgb[contributions_[i].path_index] += contributions_[i].irradiance_rgb * transmittance_[i];
+    transmittance_.resize(light_rays_.size());
+    tracer.transmittance(light_rays_, transmittance_);
+    for (size_t i = 0; i < light_contributions_.size(); ++i)
+      irradiance_rgb[light_contributions_[i].path_index] += light_contributions_[i].irradiance_rgb * transmittance_[i];
+
+    hits_.resize(emitter_rays_.size());
+    tracer.closest(emitter_rays_, hits_);
+    for (size_t i = 0; i < emitter_contributions_.size(); ++i)
+      if (hits_[i].triangle == emitter_contributions_[i].triangle)
+        irradiance_rgb[emitter_contributions_[i].path_index] += emitter_contributions_[i].irradiance_rgb;
 
     hits_.resize(rays_.size());
     tracer.closest(rays_, hits_);
@@ -82,14 +91,9 @@ void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& ir
   }
 }
 
-/// Next-event estimation: queues shadow rays to punctual lights and to a point of an emitter.
-void PathBatch::estimateDirect(const Path& path, const PathStart& start) {
+/// Next-event estimation: queues shadow rays to punctual lights.
+void PathBatch::aimAtLights(const Path& path, const PathStart& start) {
   const PathVertex& vertex = path.vertex;
-  const auto queue = [&](const Vec3& origin, const Vec3& direction, float t_max, const Rgb& irradiance_rgb) {
-    shadow_rays_.push_back({origin, direction, 0.0f, t_max});
-    contributions_.push_back({path.index, path.throughput_rgb * irradiance_rgb});
-  };
-
   light_samples_.clear();
   const float u_light = start.sampler.get1D(start.sample, dimensionOf(path.depth, kLight));
   context_.punctual.sample(vertex.position, vertex.shading_normal, path.depth == 0, u_light, light_samples_);
@@ -97,12 +101,17 @@ void PathBatch::estimateDirect(const Path& path, const PathStart& start) {
     if (!(light.to_light.dot(vertex.geometric_normal) > 0.0f)) continue;
     const Vec3 origin = trace::Tracer::offsetOrigin(vertex.position, vertex.geometric_normal, light.to_light);
     if (std::isfinite(light.distance))
-      queue(origin, vertex.position + light.to_light * light.distance - origin, kSegmentEnd, light.irradiance_rgb);
+      light_rays_.push_back({origin, vertex.position + light.to_light * light.distance - origin, 0.0f, kSegmentEnd});
     else
-      queue(origin, light.to_light, light.distance, light.irradiance_rgb);
+      light_rays_.push_back({origin, light.to_light});
+    light_contributions_.push_back({path.index, path.throughput_rgb * light.irradiance_rgb});
   }
+}
 
-  if (context_.emitters.empty()) return;
+/// Next-event estimation: queues a ray to a point of an emitter. It must meet that very triangle first, by the same rule as any other ray:
+/// of emitters that coincide (levels have them) each ray then sees one, whichever technique sent it, and none counts twice.
+void PathBatch::aimAtEmitter(const Path& path, const PathStart& start) {
+  const PathVertex& vertex = path.vertex;
   const auto emitter = context_.emitters.sample(vertex.position, vertex.shading_normal,
                                                 start.sampler.get1D(start.sample, dimensionOf(path.depth, kEmitter)),
                                                 start.sampler.get2D(start.sample, dimensionOf(path.depth, kEmitterPlace)));
@@ -118,9 +127,11 @@ void PathBatch::estimateDirect(const Path& path, const PathStart& start) {
   if (!(maxComponent(emitter->radiance_rgb) > 0.0f)) return;
   // Balance heuristic (Veach 1997, section 9.2.2): f / p_light * p_light / (p_light + p_cosine) leaves f / (p_light + p_cosine).
   const float pdf_light = emitter->pdf_area * distance * distance / cos_emitter, pdf_cosine = cos_receiver / kPi;
-  const Vec3 end = trace::Tracer::offsetOrigin(emitter->position, emitter->geometric_normal, -direction);
   const Vec3 origin = trace::Tracer::offsetOrigin(vertex.position, vertex.geometric_normal, direction);
-  queue(origin, end - origin, kSegmentEnd, emitter->radiance_rgb * (cos_receiver / (pdf_light + pdf_cosine)));
+  emitter_rays_.push_back({origin, (emitter->position - origin).normalized(), 0.0f, std::numeric_limits<float>::infinity(),
+                           mixBits(combineKeys(start.key, 2 * path.depth + 1))});
+  emitter_contributions_.push_back(
+      {path.index, emitter->triangle, path.throughput_rgb * emitter->radiance_rgb * (cos_receiver / (pdf_light + pdf_cosine))});
 }
 
 /// Queues the ray of a path's next direction. False when the path ends here.
@@ -132,7 +143,7 @@ bool PathBatch::scatter(Path& path, const PathStart& start) {
   if (!(direction.dot(path.vertex.geometric_normal) > 0.0f)) return false;  // from below the surface nothing is received
   path.pdf_direction = local.z / kPi;
   rays_.push_back({trace::Tracer::offsetOrigin(path.vertex.position, path.vertex.geometric_normal, direction), direction, 0.0f,
-                   std::numeric_limits<float>::infinity(), mixBits(combineKeys(start.key, path.depth))});
+                   std::numeric_limits<float>::infinity(), mixBits(combineKeys(start.key, 2 * path.depth))});
   return true;
 }
 

@@ -52,20 +52,26 @@ class PathBatch {
     PathVertex vertex;
     float pdf_direction = 0;  // solid angle, of the ray on its way from this vertex
   };
-  void estimateDirect(const Path& path, const PathStart& start);
+  void aimAtLights(const Path& path, const PathStart& start);
+  void aimAtEmitter(const Path& path, const PathStart& start);
   bool scatter(Path& path, const PathStart& start);
   bool arrive(Path& path, const PathStart& start, const trace::Hit& hit, Rgb& irradiance_rgb) const;
 
   const PathContext& context_;
   std::vector<Path> paths_;
-  std::vector<trace::Ray> rays_, shadow_rays_;
-  std::vector<trace::Hit> hits_;
-  std::vector<float> transmittance_;
-  struct Contribution {
+  struct LightContribution {  // what arrives when nothing is in the way of the ray of the same number
     uint32_t path_index;
     Rgb irradiance_rgb;
   };
-  std::vector<Contribution> contributions_;  // of shadow_rays_
+  struct EmitterContribution {  // what arrives when that ray meets this triangle first
+    uint32_t path_index, triangle;
+    Rgb irradiance_rgb;
+  };
+  std::vector<trace::Ray> rays_, light_rays_, emitter_rays_;
+  std::vector<LightContribution> light_contributions_;
+  std::vector<EmitterContribution> emitter_contributions_;
+  std::vector<trace::Hit> hits_;
+  std::vector<float> transmittance_;
   std::vector<PunctualLights::Sample> light_samples_;
 };
 
