@@ -70,8 +70,10 @@ void toHostOrder(uint8_t* elements, size_t bytes, size_t element_bytes) {
 
 /// The stored bytes must be exactly one zstd frame without dictionary that declares exactly `raw_bytes`.
 bool isSingleFrame(const uint8_t* stored, size_t stored_bytes, size_t raw_bytes) {
-  return stored_bytes >= 4 && loadLittle<uint32_t>(stored) == ZSTD_MAGICNUMBER && ZSTD_getFrameContentSize(stored, stored_bytes) == raw_bytes &&
-         ZSTD_getDictID_fromFrame(stored, stored_bytes) == 0 && ZSTD_findFrameCompressedSize(stored, stored_bytes) == stored_bytes;
+  return stored_bytes >= 4 && loadLittle<uint32_t>(stored) == ZSTD_MAGICNUMBER &&
+         ZSTD_getFrameContentSize(stored, stored_bytes) == raw_bytes &&
+         ZSTD_getDictID_fromFrame(stored, stored_bytes) == 0 &&
+         ZSTD_findFrameCompressedSize(stored, stored_bytes) == stored_bytes;
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ constexpr Float3 unpackRgb9e5(uint32_t v) {
   return {float(v & 0x1ff) * scale, float((v >> 9) & 0x1ff) * scale, float((v >> 18) & 0x1ff) * scale};
 }
 
-/// Nearest by the extension's rule: the exponent is that of the largest component, mantissas are rounded half up. Negative and NaN become 0,
-/// more than kRgb9e5Max becomes kRgb9e5Max.
+/// Nearest by the extension's rule: the exponent is that of the largest component, mantissas are rounded half up. Negative and NaN
+/// become 0, more than kRgb9e5Max becomes kRgb9e5Max.
 constexpr uint32_t packRgb9e5(Float3 c) {
   const auto clamp = [](float v) { return v > 0.0f ? (v < kRgb9e5Max ? v : kRgb9e5Max) : 0.0f; };
   const float r = clamp(c.x), g = clamp(c.y), b = clamp(c.z);

@@ -77,7 +77,7 @@ Status sizeChunk(ChunkInfo& chunk) {
   if (!multiply(chunk.elements, elementBytes(chunk.element), chunk.raw_bytes)) return Status::bad_directory;
   if (chunk.codec == Codec::raw) return chunk.stored_bytes == chunk.raw_bytes ? Status::ok : Status::bad_chunk;
   // An empty chunk is stored raw; and no zstd frame holds more than kMaxExpansion times its own size.
-  if (chunk.raw_bytes == 0 || chunk.raw_bytes / kMaxExpansion > chunk.stored_bytes) return Status::bad_chunk;
+  if (chunk.raw_bytes == 0 || (chunk.raw_bytes - 1) / kMaxExpansion >= chunk.stored_bytes) return Status::bad_chunk;
   return Status::ok;
 }
 
@@ -145,7 +145,8 @@ Fault View::parseHeader() {
   // The version comes before the checksum: a later major version may have another header.
   const uint16_t major = loadLittle<uint16_t>(header + 8);
   if (major > kVersionMajor) return makeFault(Status::too_new, 8, "header: version %u is newer than %u", major, kVersionMajor);
-  if (checksum(header, 56) != loadLittle<uint64_t>(header + 56)) return makeFault(Status::bad_checksum, 56, "header: checksum differs");
+  if (checksum(header, 56) != loadLittle<uint64_t>(header + 56))
+    return makeFault(Status::bad_checksum, 56, "header: checksum differs");
   if (major == 0) return makeFault(Status::bad_header, 8, "header: version 0");
   version_minor_ = loadLittle<uint16_t>(header + 10);
   if (loadLittle<uint32_t>(header + 12) != 0) return makeFault(Status::bad_header, 12, "header: reserved bytes are not zero");
@@ -157,7 +158,8 @@ Fault View::parseHeader() {
   if (file_bytes < kHeaderBytes || directory_bytes > file_bytes - kHeaderBytes)
     return makeFault(Status::bad_header, 32, "header: the directory reaches past the end of the file");
   if (file_bytes > limits_.file_bytes)
-    return makeFault(Status::limit_exceeded, 16, "header: %llu bytes are more than the limit", static_cast<unsigned long long>(file_bytes));
+    return makeFault(Status::limit_exceeded, 16, "header: %llu bytes are more than the limit",
+                     static_cast<unsigned long long>(file_bytes));
   if (directory_bytes > limits_.directory_bytes)
     return makeFault(Status::limit_exceeded, 32, "header: a directory of %llu bytes is larger than the limit",
                      static_cast<unsigned long long>(directory_bytes));

@@ -12,7 +12,8 @@ ContainerError::ContainerError(std::string file, const Fault& fault)
     : std::runtime_error(file + ": byte " + std::to_string(fault.offset) + ": " + fault.what + " (" + statusName(fault.status) + ")"),
       file(std::move(file)), status(fault.status), offset(fault.offset), reason(fault.what) {}
 
-Reader::Reader(const std::filesystem::path& file, const Limits& limits) : file_(file.string()), file_source_(std::make_unique<FileSource>()) {
+Reader::Reader(const std::filesystem::path& file, const Limits& limits)
+    : file_(file.string()), file_source_(std::make_unique<FileSource>()) {
   if (!file_source_->open(file.c_str())) throw std::system_error(errno, std::generic_category(), file_);
   open(file_source_->source(), limits);
 }

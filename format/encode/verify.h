@@ -43,8 +43,8 @@ struct Issue {
   std::string message;
 };
 
-/// All issues in the order of the file, then all notes; at most 100. Empty for a sound file. Throws only std::bad_alloc and, when the file cannot be
-/// opened, std::system_error.
+/// All issues in the order of the file, then all notes; at most 100. Empty for a sound file. Throws only std::bad_alloc and, when the
+/// file cannot be opened, std::system_error.
 std::vector<Issue> verify(const std::filesystem::path& file, const Limits& limits = {});
 /// The same for a source; see OpenOptions for the limits.
 std::vector<Issue> verify(const Source& source, const Limits& limits = {});

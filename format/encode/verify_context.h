@@ -63,8 +63,8 @@ class VerifyContext {
     for (size_t i = 0; i < values.size(); ++i)
       if (wrong(values[i]) && count++ == 0) first = i;
     if (count > 0)
-      report(id, section, name, std::to_string(count) + " of " + std::to_string(values.size()) + " values " + what + ", the first at index " +
-                                    std::to_string(first));
+      report(id, section, name, std::to_string(count) + " of " + std::to_string(values.size()) + " values " + what +
+                                    ", the first at index " + std::to_string(first));
     return count == 0;
   }
   bool checkFinite(const std::vector<float>& values, std::string_view section, std::string_view name);

@@ -11,6 +11,8 @@ namespace {
 
 constexpr const char* kSection = "prm";
 
+bool isNegativeOrNotFinite(float v) { return !(v >= 0) || !std::isfinite(v); }
+
 void verifyEntries(VerifyContext& context, const v1::PrmHeader& prm) {
   const uint64_t entries = prm.entries();
   if (const auto position = context.load<float>(kSection, "entry_position", {entries, 3}))
@@ -19,8 +21,8 @@ void verifyEntries(VerifyContext& context, const v1::PrmHeader& prm) {
     context.checkEach(*normal, IssueId::value_range, kSection, "entry_normal", "are -32768", [](int16_t v) { return v == INT16_MIN; });
   const auto weight = context.load<float>(kSection, "entry_weight", {entries});
   const auto first = context.load<uint32_t>(kSection, "cluster_first_entry", {uint64_t(prm.clusters()) + 1});
-  const bool weights_good = weight && context.checkEach(*weight, IssueId::not_finite, kSection, "entry_weight", "are negative or not finite",
-                                                        [](float v) { return !(v >= 0) || !std::isfinite(v); });
+  const bool weights_good = weight && context.checkEach(*weight, IssueId::not_finite, kSection, "entry_weight",
+                                                        "are negative or not finite", isNegativeOrNotFinite);
   const bool offsets_good = first && context.checkOffsets(*first, entries, true, kSection, "cluster_first_entry");
   if (!weights_good || !offsets_good) return;
   for (size_t cluster = 0; cluster + 1 < first->size(); ++cluster) {
@@ -45,7 +47,8 @@ void verifyTexels(VerifyContext& context, const v1::PrmHeader& prm) {
     const std::string place = "value " + std::to_string(i);
     if (t >= seen.size()) return context.report(IssueId::index_range, kSection, "texel", place + " belongs to no texel of the atlas");
     if (seen[t]) return context.report(IssueId::order, kSection, "texel", place + " belongs to a texel that has one already");
-    if (!(*coverage)[t]) return context.report(IssueId::cross_section, kSection, "texel", place + " belongs to a texel that is not covered");
+    if (!(*coverage)[t])
+      return context.report(IssueId::cross_section, kSection, "texel", place + " belongs to a texel that is not covered");
     seen[t] = true;
   }
 }
@@ -53,7 +56,8 @@ void verifyTexels(VerifyContext& context, const v1::PrmHeader& prm) {
 void verifyPanes(VerifyContext& context, const v1::PrmHeader& prm) {
   const uint64_t clusters = prm.clusters(), texels = prm.texels();
   if (prm.brightest() > clusters) context.report(IssueId::header_value, kSection, "header", "brightest is more than there are clusters");
-  if (prm.blocks() != 0 || prm.max_rank() != 0) context.report(IssueId::header_value, kSection, "header", "panes have no blocks and no rank");
+  if (prm.blocks() != 0 || prm.max_rank() != 0)
+    context.report(IssueId::header_value, kSection, "header", "panes have no blocks and no rank");
   const ChunkInfo* pane = context.find(kSection, "pane");
   if (!pane || pane->element != ElementType::f16) {
     context.load<uint32_t>(kSection, "pane", ElementType::rgb9e5, {clusters, texels});
@@ -96,8 +100,7 @@ void verifyLocalBases(VerifyContext& context, const v1::PrmHeader& prm) {
   if (const auto basis = context.load<int8_t>(kSection, "basis", {basis_size}))
     context.checkEach(*basis, IssueId::value_range, kSection, "basis", "are -128", [](int8_t v) { return v == INT8_MIN; });
   if (const auto scale = context.load<float>(kSection, "coefficient_scale", {scale_size}))
-    context.checkEach(*scale, IssueId::not_finite, kSection, "coefficient_scale", "are negative or not finite",
-                      [](float v) { return !(v >= 0) || !std::isfinite(v); });
+    context.checkEach(*scale, IssueId::not_finite, kSection, "coefficient_scale", "are negative or not finite", isNegativeOrNotFinite);
   const ChunkInfo* coefficient = context.find(kSection, "coefficient");
   if (coefficient && coefficient->element == ElementType::i16) context.load<int16_t>(kSection, "coefficient", {coefficient_size});
   else context.load<int8_t>(kSection, "coefficient", {coefficient_size});

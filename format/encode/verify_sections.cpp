@@ -87,7 +87,8 @@ void verifyMeta(VerifyContext& context) {
   for (const v1::MeasuredError& error : meta.errors())
     if (!std::isfinite(error.relrmse()) || error.relrmse() < 0 || !std::isfinite(error.texrel()) || error.texrel() < 0 ||
         !std::isfinite(error.bias()))
-      context.report(IssueId::header_value, "meta", "header", "the measured error of \"" + error.section() + "\" is negative or not finite");
+      context.report(IssueId::header_value, "meta", "header",
+                     "the measured error of \"" + error.section() + "\" is negative or not finite");
   for (const v1::Omitted& omitted : meta.omitted())
     if (omitted.type().empty() || omitted.reason().empty())
       context.report(IssueId::header_value, "meta", "header", "an omitted section has no type or no reason");
@@ -173,8 +174,8 @@ void verifyAtlas(VerifyContext& context) {
   reportTexel(firstTexel([&](size_t i) { return (*source)[i] != kNoTexel && (*source)[(*source)[i]] != (*source)[i]; }), IssueId::order,
               "source", "shows a texel that does not show itself");
   if (coverage) {
-    reportTexel(firstTexel([&](size_t i) { return (*source)[i] != kNoTexel && !(*coverage)[(*source)[i]]; }), IssueId::index_range, "source",
-                "shows a texel that is not covered");
+    reportTexel(firstTexel([&](size_t i) { return (*source)[i] != kNoTexel && !(*coverage)[(*source)[i]]; }), IssueId::index_range,
+                "source", "shows a texel that is not covered");
     reportTexel(firstTexel([&](size_t i) { return (*coverage)[i] && (*source)[i] == kNoTexel; }), IssueId::value_range, "source",
                 "is covered but shows nothing");
   }

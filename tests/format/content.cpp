@@ -123,8 +123,8 @@ Writer toWriter(const Content& c) {
   const auto message = [&](const char* type, const char* name, const google::protobuf::MessageLite& value) {
     if (wanted(type, name)) writer.addMessage(type, name, value);
   };
-  const auto array = [&]<class T>(const char* type, const char* name, const std::vector<T>& values, std::initializer_list<uint64_t> shape = {},
-                                  ElementType element = detail::elementTypeOf<T>()) {
+  const auto array = [&]<class T>(const char* type, const char* name, const std::vector<T>& values,
+                                  std::initializer_list<uint64_t> shape = {}, ElementType element = detail::elementTypeOf<T>()) {
     if (wanted(type, name)) writer.add(type, name, values, shape, element);
   };
   const uint64_t vertices = c.position.size() / 3;

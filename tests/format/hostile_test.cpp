@@ -84,7 +84,10 @@ TEST(Hostile, ZstdBombs) {
   EXPECT_EQ(decodeStatus(zstdFrame(std::string(1 << 20, 'x'), false), 1 << 20), Status::bad_chunk) << "no content size";
   EXPECT_EQ(decodeStatus(frame + "x", 1 << 20), Status::bad_chunk);
   EXPECT_EQ(decodeStatus(frame + frame, 2 << 20), Status::bad_chunk);
-  EXPECT_EQ(decodeStatus(std::string("\x50\x2a\x4d\x18\x04\0\0\0abcd", 12), 4), Status::bad_chunk) << "a skippable frame";
+  const std::string skippable("\x50\x2a\x4d\x18\x04\0\0\0abcd", 12);
+  EXPECT_EQ(decodeStatus(frame + skippable, 1 << 20), Status::bad_chunk);
+  EXPECT_EQ(decodeStatus(frame + zstdFrame(""), 1 << 20), Status::bad_chunk);
+  EXPECT_EQ(decodeStatus(skippable, 4), Status::bad_chunk);
   // A header that declares more than its blocks hold, and one that declares less.
   std::string lying = zstdFrame(std::string(200, 'x'));
   ASSERT_EQ(uint8_t(lying[5]), 200);
@@ -92,6 +95,18 @@ TEST(Hostile, ZstdBombs) {
   EXPECT_EQ(decodeStatus(lying, 201), Status::bad_chunk);
   lying[5] = char(199);
   EXPECT_EQ(decodeStatus(lying, 199), Status::bad_chunk);
+}
+
+TEST(Hostile, ImpossibleExpansionIsRefusedOnOpen) {
+  const auto open = [](uint64_t elements, size_t stored_bytes) {
+    Forge forge;
+    forge.section("s");
+    forge.chunk("s", "c", ElementType::u8, {elements}, Codec::zstd, std::string(stored_bytes, '\0'));
+    return openStatus(forge.build());
+  };
+  EXPECT_EQ(open(kMaxExpansion * 10, 10), Status::ok);
+  EXPECT_EQ(open(kMaxExpansion * 10 + 1, 10), Status::bad_chunk);
+  EXPECT_EQ(open(0, 10), Status::bad_chunk) << "an empty chunk is stored raw";
 }
 
 TEST(Hostile, LimitsHoldBeforeAnythingIsAllocated) {

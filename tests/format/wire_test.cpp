@@ -97,7 +97,9 @@ TEST(Wire, RandomDamageNeverDisagreesWithProtobuf) {
     if (!readChunk(bytes, ours)) continue;
     ++accepted;
     // The library checks UTF-8 besides, which the alphabet of names makes superfluous for us.
-    const auto ascii = [](const std::string& text) { return std::all_of(text.begin(), text.end(), [](char c) { return uint8_t(c) < 128; }); };
+    const auto ascii = [](const std::string& text) {
+      return std::all_of(text.begin(), text.end(), [](char c) { return uint8_t(c) < 128; });
+    };
     if (!ascii(ours.section()) || !ascii(ours.name())) continue;
     ASSERT_TRUE(theirs.ParseFromString(bytes));
     theirs.DiscardUnknownFields();
