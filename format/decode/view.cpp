@@ -154,7 +154,8 @@ Fault View::parseHeader() {
 
   const uint64_t file_bytes = loadLittle<uint64_t>(header + 16), directory_bytes = loadLittle<uint64_t>(header + 32);
   directory_checksum_ = loadLittle<uint64_t>(header + 40);
-  if (loadLittle<uint64_t>(header + 24) != kHeaderBytes) return makeFault(Status::bad_header, 24, "header: the directory is not at byte 64");
+  if (loadLittle<uint64_t>(header + 24) != kHeaderBytes)
+    return makeFault(Status::bad_header, 24, "header: the directory is not at byte 64");
   if (file_bytes < kHeaderBytes || directory_bytes > file_bytes - kHeaderBytes)
     return makeFault(Status::bad_header, 32, "header: the directory reaches past the end of the file");
   if (file_bytes > limits_.file_bytes)
