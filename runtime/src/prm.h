@@ -11,7 +11,7 @@ struct lw_prm {
   lightwell::format::PrmHeader header;
   uint32_t width = 0, height = 0;       // of the atlas
   Array<uint32_t> source;               // [height * width]; each texel's source is its own source, or none
-  Array<uint32_t> texel;                // [texels]; unique, each its own source
+  Array<uint32_t> texel;                // [texels]; unique
 
   Array<float> entry_position_m;        // [entries][3]
   Array<float> entry_normal;            // [entries][3]

@@ -149,10 +149,13 @@ void addEmitters(const lw_prm& prm, const Array<uint32_t>& emitter_rgb9e5, float
   }
 }
 
-void fillGutters(const lw_prm& prm, float* rgba) {
+/// Every texel shows its source's value; a value of its own that a buried texel may have is not shown.
+void applySources(const lw_prm& prm, float* rgba) {
   const size_t texels = prm.source.size();
-  for (size_t i = 0; i < texels; ++i)
-    if (prm.source[i] != i && prm.source[i] != kNone) std::memcpy(rgba + i * 4, rgba + size_t(prm.source[i]) * 4, 4 * sizeof(float));
+  for (size_t i = 0; i < texels; ++i) {
+    if (prm.source[i] == kNone) std::memset(rgba + i * 4, 0, 4 * sizeof(float));
+    else if (prm.source[i] != i) std::memcpy(rgba + i * 4, rgba + size_t(prm.source[i]) * 4, 4 * sizeof(float));
+  }
 }
 
 }  // namespace
@@ -187,6 +190,6 @@ lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb
   }
   if (options.emitters & LW_EMITTERS_DIRECT) addEmitters(*prm, prm->emitter_direct_rgb9e5, atlas_rgba);
   if (options.emitters & LW_EMITTERS_INDIRECT) addEmitters(*prm, prm->emitter_indirect_rgb9e5, atlas_rgba);
-  fillGutters(*prm, atlas_rgba);
+  applySources(*prm, atlas_rgba);
   return LW_OK;
 }

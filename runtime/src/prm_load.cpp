@@ -78,7 +78,6 @@ class Loader {
     std::memset(taken.data(), 0, taken.size());
     for (const uint32_t t : prm_.texel) {
       if (t >= texels || taken[t]) return void(bad("texel", "a texel is outside the atlas or occurs twice"));
-      if (prm_.source[t] != t) return void(bad("texel", "a texel shows another one's value"));
       taken[t] = 1;
     }
   }

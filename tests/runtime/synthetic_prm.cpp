@@ -33,15 +33,19 @@ void add(const SyntheticPrm& prm, format::Writer& writer, std::string_view name,
   writer.add("prm", name, values, shape);
 }
 
-/// A third of the texels covered, a third gutters of those, a third empty.
+/// Some texels covered, some gutters of those, some empty. A few of the covered ones are buried: they have a value, but show another's.
 void makeTexels(Random& random, SyntheticPrm& prm, std::vector<uint8_t>& coverage) {
   const uint32_t count = prm.options.width * prm.options.height;
   prm.source.assign(count, kNone);
   coverage.assign(count, 0);
   for (uint32_t i = 0; i < count; ++i)
     if (random.uniform() < 0.4) prm.source[i] = i, coverage[i] = 1, prm.texel.push_back(i);
-  for (uint32_t i = 0; i < count; ++i)
-    if (prm.source[i] == kNone && random.uniform() < 0.5) prm.source[i] = prm.texel[random.below(uint32_t(prm.texel.size()))];
+  const uint32_t shown = uint32_t(prm.texel.size());
+  for (uint32_t i = 0; i < count; ++i) {
+    if (prm.source[i] != kNone || random.uniform() < 0.5) continue;
+    if (random.uniform() < 0.1) coverage[i] = 1, prm.texel.push_back(i);
+    prm.source[i] = prm.texel[random.below(shown)];
+  }
   std::shuffle(prm.texel.begin(), prm.texel.end(), random.engine);
 }
 
@@ -225,7 +229,7 @@ std::vector<double> SyntheticPrm::evaluate(const std::vector<float>& cluster_irr
     atlas[size_t(texel[t]) * 4 + 3] = 1;
   }
   for (size_t i = 0; i < source.size(); ++i)
-    if (source[i] != kNone && source[i] != i) std::copy_n(&atlas[size_t(source[i]) * 4], 4, &atlas[i * 4]);
+    if (source[i] != kNone) std::copy_n(&atlas[size_t(source[i]) * 4], 4, &atlas[i * 4]);
   return atlas;
 }
 
