@@ -98,6 +98,16 @@ TEST_F(Geometry, QuantizedNormalizedAndInterleavedAttributesGiveTheSameVertices)
   EXPECT_TRUE(scene.objects[0].has_lightmap_uv);
 }
 
+TEST_F(Geometry, TheMostNegativeNormalizedIntegersAreMinusOne) {
+  GltfBuilder b;
+  b.useExtension("KHR_mesh_quantization", true);
+  b.show({{"attributes", {{"POSITION", b.accessor<int8_t>({-128, 0, 0, 127, 0, 0, 0, 127, 0}, "VEC3", 3, true)}}}});
+  b.show({{"attributes", {{"POSITION", b.accessor<int16_t>({-32768, 0, 0, 32767, 0, 0, 0, 32767, 0}, "VEC3", 3, true)}}}});
+  const Scene scene = load(b);
+  EXPECT_EQ(worldPosition(scene, 0), Vec3d(-1, 0, 0));
+  EXPECT_EQ(worldPosition(scene, 3), Vec3d(-1, 0, 0));
+}
+
 TEST_F(Geometry, SparseAccessorReplacesElementsAndMayHaveNoBase) {
   GltfBuilder b;
   const size_t indices = b.view(std::vector<uint16_t>{1, 2}), values = b.view(std::vector<float>{2, 0, 0, 0, 2, 0});
@@ -206,6 +216,15 @@ TEST_F(Geometry, MatrixAndTranslationRotationScaleAgree) {
   b.json["nodes"][first] = {{"mesh", 0}, {"matrix", {0, 2, 0, 0, -3, 0, 0, 0, 0, 0, 4, 0, 5, 6, 7, 1}}};
   const Scene m = load(b);
   for (uint32_t v = 0; v < 3; ++v) expectNear(worldPosition(a, v), worldPosition(m, v));
+}
+
+TEST_F(Geometry, ParentTransformsActAfterThoseOfTheirChildren) {
+  GltfBuilder b;
+  const size_t leaf = b.show(b.triangle());
+  b.json["nodes"][leaf]["translation"] = {1, 0, 0};
+  const size_t root = b.add("nodes", {{"translation", {0, 5, 0}}, {"scale", {2, 2, 2}}, {"children", {leaf}}});
+  b.json["scenes"][0]["nodes"] = {root};
+  expectNear(worldPosition(load(b), 1), {4, 5, 0});
 }
 
 TEST_F(Geometry, DeepHierarchiesDoNotOverflowTheStack) {
