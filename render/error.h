@@ -12,6 +12,8 @@ class RenderError : public std::runtime_error {
  public:
   RenderError(lw_result result, const std::string& what)
       : std::runtime_error(what + " (" + lw_result_name(result) + ")"), result(result) {}
+  /// Whether the file is to blame (unreadable, damaged, too new), rather than this machine's OpenGL or this program.
+  bool containerFault() const { return result >= LW_IO_ERROR && result <= LW_LIMIT_EXCEEDED; }
   lw_result result;
 };
 

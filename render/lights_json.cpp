@@ -43,7 +43,8 @@ std::vector<lw_light> parseLights(std::string_view text, const std::string& file
   std::vector<lw_light> lights;
   for (size_t i = 0; i < list.size(); ++i)
     lights.push_back(parseLight(JsonFields(list[i], file, "lights[" + std::to_string(i) + "]",
-                                           {"type", "name", "position", "direction", "color", "intensity", "innerConeAngle", "outerConeAngle", "range"}),
+                                           {"type", "name", "position", "direction", "color", "intensity", "innerConeAngle",
+                                            "outerConeAngle", "range"}),
                                 origin_m));
   return lights;
 }

@@ -45,8 +45,8 @@ class Renderer {
   void draw(const View& view, uint32_t framebuffer);
   /// The same into an image, row 0 at the top.
   Image8 render(const View& view);
-  /// The exposure value that brings the geometric mean of the picture's radiance to middle grey (ISO 100, meter constant 12.5); 0 for a black
-  /// picture. Draws a small picture and waits for it.
+  /// The exposure value that brings the geometric mean of the picture's radiance to middle grey (ISO 100, meter constant 12.5); 0 for a
+  /// black picture. Draws a small picture and waits for it.
   float meterExposure(const View& view);
 
   void measureTimes(bool on);

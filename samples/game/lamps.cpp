@@ -9,7 +9,8 @@ namespace {
 using render::Float3;
 
 // Linear: warm white, white, cool white, red, green, blue, violet.
-constexpr Float3 kColors[] = {{1, 0.78f, 0.55f}, {1, 1, 1}, {0.7f, 0.85f, 1}, {1, 0.1f, 0.06f}, {0.12f, 1, 0.2f}, {0.1f, 0.25f, 1}, {0.7f, 0.15f, 1}};
+constexpr Float3 kColors[] = {{1, 0.78f, 0.55f}, {1, 1, 1},         {0.7f, 0.85f, 1}, {1, 0.1f, 0.06f},
+                              {0.12f, 1, 0.2f},  {0.1f, 0.25f, 1}, {0.7f, 0.15f, 1}};
 
 float brightness(const lw_light& light) {
   return std::max({light.intensity_rgb[0], light.intensity_rgb[1], light.intensity_rgb[2]});
@@ -20,7 +21,9 @@ void setColor(lw_light& light, const Float3& color, float intensity) {
 }
 
 Float3 extent(const lw_scene_info& scene) {
-  return {scene.bounds_max_m[0] - scene.bounds_min_m[0], scene.bounds_max_m[1] - scene.bounds_min_m[1], scene.bounds_max_m[2] - scene.bounds_min_m[2]};
+  Float3 size;
+  for (size_t i = 0; i < 3; ++i) size[i] = scene.bounds_max_m[i] - scene.bounds_min_m[i];
+  return size;
 }
 
 Float3 middle(const lw_scene_info& scene) {
@@ -99,7 +102,8 @@ void Lamps::carryTo(const Float3& position_m) {
 void Lamps::followPath(float phase) {
   const float angle = 6.2831853f * phase;
   const Float3 size = extent(scene_);
-  carryTo(middle(scene_) + Float3{0.3f * size[0] * std::sin(angle), -0.1f * size[1] * std::cos(2 * angle), 0.3f * size[2] * std::cos(angle)});
+  const Float3 offset{0.3f * size[0] * std::sin(angle), -0.1f * size[1] * std::cos(2 * angle), 0.3f * size[2] * std::cos(angle)};
+  carryTo(middle(scene_) + offset);
 }
 
 bool Lamps::takeChanged() { return std::exchange(changed_, false); }

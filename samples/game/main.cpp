@@ -27,13 +27,15 @@ int main(int argc, char** argv) {
     return 2;
   }
   if (!mode.empty())
-    options.part = mode == "direct" ? render::LightPart::direct : mode == "indirect" ? render::LightPart::indirect : render::LightPart::full;
+    options.part = mode == "direct"     ? render::LightPart::direct
+                   : mode == "indirect" ? render::LightPart::indirect
+                                        : render::LightPart::full;
   try {
     const auto container = render::openContainer(options.container.string());
     return options.headless ? game::runHeadless(options, container.get()) : game::runWindowed(options, container.get());
   } catch (const render::RenderError& error) {
     std::fprintf(stderr, "lightwell_game: %s\n", error.what());
-    return error.result >= LW_GL_UNSUPPORTED ? 1 : 4;
+    return error.containerFault() ? 4 : 1;
   } catch (const render::FileError& error) {
     std::fprintf(stderr, "lightwell_game: %s\n", error.what());
     return 3;

@@ -72,7 +72,8 @@ void relight(const std::string& container_file, const std::string& camera_file, 
       renderer.setLights(lights);
       const Image8 image = renderer.render(view);
       const render::FrameTimes& times = renderer.times();
-      std::printf("%-12s %-10s %12.1f %12.1f %12.1f\n", name.c_str(), render::partName(part), times.shadows_ms, times.transport_ms, times.shading_ms);
+      std::printf("%-12s %-10s %12.1f %12.1f %12.1f\n", name.c_str(), render::partName(part), times.shadows_ms, times.transport_ms,
+                  times.shading_ms);
       render::writePng(directory / (name + "_" + render::partName(part) + ".png"), image);
       (part == render::LightPart::full ? full_row : direct_row).push_back(reduced(image, reduction));
     }
@@ -93,14 +94,16 @@ int main(int argc, char** argv) {
   app.add_option("--camera", camera, "CAM.json")->required();
   app.add_option("--lights", lights, "one or more LIGHTS.json")->required()->expected(1, 64);
   app.add_option("-o,--output", directory, "folder of the pictures")->capture_default_str();
-  app.add_option("--reduction", reduction, "how many times smaller the contact sheet's pictures are")->check(CLI::Range(1, 16))->capture_default_str();
+  app.add_option("--reduction", reduction, "how many times smaller the contact sheet's pictures are")
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     relight(container, camera, lights, directory, reduction);
     return 0;
   } catch (const render::RenderError& error) {
     std::fprintf(stderr, "lightwell_relight: %s\n", error.what());
-    return error.result >= LW_GL_UNSUPPORTED ? 1 : 4;
+    return error.containerFault() ? 4 : 1;
   } catch (const render::FileError& error) {
     std::fprintf(stderr, "lightwell_relight: %s\n", error.what());
     return 3;

@@ -143,7 +143,8 @@ float layOutCharts(SampleScene& scene, int size, int padding_texels) {
     const float density = (fits + fails) / 2;
     (packAll(extents, size, padding_texels, density, rects) ? fits : fails) = density;
   }
-  if (fits == 0 || !packAll(extents, size, padding_texels, fits, rects)) throw std::runtime_error(scene.name + ": the charts do not fit the light map");
+  if (fits == 0 || !packAll(extents, size, padding_texels, fits, rects))
+    throw std::runtime_error(scene.name + ": the charts do not fit the light map");
   for (size_t i = 0; i < charts.size(); ++i) {
     const Extent& extent = extents[i];
     const Vec2 span(float(rects[i].w - 1 - padding_texels), float(rects[i].h - 1 - padding_texels));

@@ -49,22 +49,26 @@ SampleScene makeColonnadeCourtyard() {
         c.floor_m = plinth;
         c.makes_floor = c.makes_ceiling = false;
       });
-      addColumn(building, limestone, limestone, {.plinth_top = {x, plinth, z}, .soffit_m = soffit, .half_width_m = 0.25f, .radius_m = 0.185f});
+      addColumn(building, limestone, limestone,
+                {.plinth_top = {x, plinth, z}, .soffit_m = soffit, .half_width_m = 0.25f, .radius_m = 0.185f});
     }
   grid.build(building);
   stitch(building);
 
   Node& fountain = scene.nodes.emplace_back();
   fountain.name = "fountain";
-  // A basin of eight sides in one turn: outside, rim, inside, and a stem that carries a bowl.
-  for (const auto& profile : {std::vector<ProfilePoint>{{1.35f, 0}, {1.35f, 0.5f}}, {{1.35f, 0.5f}, {1.15f, 0.5f}}, {{1.15f, 0.5f}, {1.15f, 0.2f}}})
-    addLathe(fountain, basin_stone, {0, 0, 0}, profile, 16);
-  addLathe(fountain, basin_stone, {0, 0, 0}, std::vector<ProfilePoint>{{1.15f, 0.2f}, {0.3f, 0.2f}}, 16);
-  addLathe(fountain, limestone, {0, 0, 0}, std::vector<ProfilePoint>{{0.3f, 0.2f}, {0.16f, 0.4f}, {0.12f, 0.8f}, {0.2f, 1.1f}, {0.7f, 1.35f}}, 16);
-  addLathe(fountain, limestone, {0, 0, 0}, std::vector<ProfilePoint>{{0.7f, 1.35f}, {0.62f, 1.35f}, {0.3f, 1.2f}, {0, 1.16f}}, 16);
+  // The basin's outside, rim, inside and bottom meet at sharp edges; a stem carries a bowl.
+  const ProfilePoint basin[] = {{1.35f, 0}, {1.35f, 0.5f}, {1.15f, 0.5f}, {1.15f, 0.2f}, {0.3f, 0.2f}};
+  for (size_t edge = 0; edge + 1 < std::size(basin); ++edge)
+    addLathe(fountain, basin_stone, {0, 0, 0}, std::span(basin).subspan(edge, 2), 16);
+  const ProfilePoint stem[] = {{0.3f, 0.2f}, {0.16f, 0.4f}, {0.12f, 0.8f}, {0.2f, 1.1f}, {0.7f, 1.35f}};
+  const ProfilePoint bowl[] = {{0.7f, 1.35f}, {0.62f, 1.35f}, {0.3f, 1.2f}, {0, 1.16f}};
+  addLathe(fountain, limestone, {0, 0, 0}, stem, 16);
+  addLathe(fountain, limestone, {0, 0, 0}, bowl, 16);
   stitch(fountain);
 
-  scene.lamps.push_back({.name = "sun", .type = LampType::directional, .direction = {0.55f, -1.0f, -0.35f}, .color_rgb = {1, 0.93f, 0.82f}, .intensity = 1000});
+  scene.lamps.push_back({.name = "sun", .type = LampType::directional, .direction = {0.55f, -1.0f, -0.35f},
+                         .color_rgb = {1, 0.93f, 0.82f}, .intensity = 1000});
   scene.lamps.push_back({.name = "walk_lantern", .position_m = {-7.3f, 2.4f, 0}, .color_rgb = {1, 0.7f, 0.4f}, .intensity = 150});
   return scene;
 }

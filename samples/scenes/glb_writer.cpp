@@ -167,7 +167,8 @@ std::vector<uint8_t> encodeGlb(const SampleScene& scene) {
     extensions.push_back("KHR_lights_punctual");
     gltf["extensions"]["KHR_lights_punctual"]["lights"] = std::move(lamps);
   }
-  if (std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return maxComponent(m.emitted_radiance_rgb) > 0; }))
+  const auto emits = [](const Material& material) { return maxComponent(material.emitted_radiance_rgb) > 0; };
+  if (std::any_of(scene.materials.begin(), scene.materials.end(), emits))
     extensions.push_back("KHR_materials_emissive_strength");
   if (!extensions.empty()) gltf["extensionsUsed"] = std::move(extensions);
   gltf["bufferViews"] = std::move(buffer.views);

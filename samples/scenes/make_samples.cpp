@@ -11,11 +11,13 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    for (const SampleScene& scene : {makeCornellBox(false), makeCornellBox(true), makeMarbleChamber(), makeCorridorDoor(), makeColonnadeCourtyard()}) {
+    for (const SampleScene& scene :
+         {makeCornellBox(false), makeCornellBox(true), makeMarbleChamber(), makeCorridorDoor(), makeColonnadeCourtyard()}) {
       const auto bytes = encodeGlb(scene);
       const auto file = std::filesystem::path(argv[1]) / (scene.name + ".glb");
       writeFile(file, bytes);
-      std::printf("%-28s %5zu triangles %7zu bytes, light map %d\n", file.filename().c_str(), scene.triangleCount(), bytes.size(), scene.lightmap_size);
+      std::printf("%-28s %5zu triangles %7zu bytes, light map %d\n", file.filename().c_str(), scene.triangleCount(), bytes.size(),
+                  scene.lightmap_size);
     }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -1,5 +1,5 @@
-// A marble hall of about 3,300 triangles, the size of the test scene of "On Making Light Maps Dynamic" (figure 6): a nave between two arcades,
-// aisles of different tint, a stair with a red carpet up to a statue, a coffered ceiling, red drapery.
+// A marble hall of about 3,300 triangles, the size of the test scene of "On Making Light Maps Dynamic" (figure 6): a nave between two
+// arcades, aisles of different tint, a stair with a red carpet up to a statue, a coffered ceiling, red drapery.
 #include "samples/scenes/cell_building.h"
 #include "samples/scenes/chart_layout.h"
 #include "samples/scenes/shapes.h"
@@ -7,7 +7,8 @@
 namespace lightwell::samples {
 namespace {
 
-// The plan, in metres (multiples of 1/8, so that what touches does so exactly): x across, z along the nave; the dais is at the far end (z < 0).
+// The plan, in metres (multiples of 1/8, so that what touches does so exactly): x across, z along the nave; the dais is at the far
+// end (z < 0).
 constexpr float kNave = 2.875f, kPier = 0.75f, kAisle = 5.875f, kEnd = 9.0f;
 constexpr float kNaveHeight = 6.2f, kAisleHeight = 4.9f, kBeam = 0.3f, kImpost = 3.0f, kPlinth = 0.25f, kDais = 0.75f;
 constexpr int kPiers = 4, kArchSegments = 8;
@@ -37,7 +38,8 @@ void addArcade(Node& node, const Stones& stone, float side) {
     uint32_t material;
   };
   for (const Face& face : {Face{side * kNave, -side, kNaveHeight, kNaveHeight, stone.white},
-                           Face{side * (kNave + kPier), side, kAisleHeight, kAisleHeight - kBeam, side < 0 ? stone.west_wall : stone.east_wall}}) {
+                           Face{side * (kNave + kPier), side, kAisleHeight, kAisleHeight - kBeam,
+                                side < 0 ? stone.west_wall : stone.east_wall}}) {
     std::vector<Vec3> corners;
     const auto strip = [&](const Vec3& low_from, const Vec3& low_to, float top) {
       std::array<Vec3, 4> quad{low_from, low_to, Vec3(0, top, low_to.z), Vec3(0, top, low_from.z)};
@@ -133,8 +135,8 @@ CellGrid planHall(const Stones& stone) {
 
   // The nave: chequered tiles, a carpet, the stair, the dais with the statue's pedestal.
   grid.edit(-kNave, kNave, -kEnd, kEnd, [&](Cell& c) {
-    c = {.floor_m = 0, .ceiling_m = kNaveHeight, .floor_material = stone.dark, .ceiling_material = stone.ceiling, .wall_material = stone.white,
-         .riser_material = stone.white, .lintel_material = stone.white};
+    c = {.floor_m = 0, .ceiling_m = kNaveHeight, .floor_material = stone.dark, .ceiling_material = stone.ceiling,
+         .wall_material = stone.white, .riser_material = stone.white, .lintel_material = stone.white};
   });
   for (int row = 0; row < 9; ++row) {
     const float z0 = foot + tile * float(row), z1 = std::min(z0 + tile, door_end);

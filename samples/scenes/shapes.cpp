@@ -156,8 +156,9 @@ void addColumn(Node& node, uint32_t stone, uint32_t plate, const Column& column)
   const ProfilePoint base[] = {{1.26f * r, 0}, {1.3f * r, 0.3f * r}, {r, 0.62f * r}};
   const ProfilePoint shaft[] = {{r, 0.62f * r}, {0.84f * r, height - 1.25f * r}};
   const ProfilePoint capital[] = {{0.84f * r, height - 1.25f * r}, {0.96f * r, height - 0.65f * r}, {1.32f * r, height}};
-  for (const auto& profile : {std::span<const ProfilePoint>(base), std::span<const ProfilePoint>(shaft), std::span<const ProfilePoint>(capital)})
-    addLathe(node, stone, column.plinth_top, profile, column.segments);
+  addLathe(node, stone, column.plinth_top, base, column.segments);
+  addLathe(node, stone, column.plinth_top, shaft, column.segments);
+  addLathe(node, stone, column.plinth_top, capital, column.segments);
   addHoledPlate(node, stone, column.plinth_top, column.half_width_m, base[0].radius_m, column.segments, true);
   const Vec3 soffit(column.plinth_top.x, column.soffit_m, column.plinth_top.z);
   addHoledPlate(node, plate, soffit, column.half_width_m, capital[2].radius_m, column.segments, false);

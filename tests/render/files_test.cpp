@@ -101,7 +101,8 @@ TEST(CameraFile, MissingFilesAreNamed) {
 TEST(LightsFile, PositionsBecomeRelativeToTheOrigin) {
   const auto lights = parseLights(R"({"lights": [
     {"type": "point", "position": [11, 2, -5], "color": [1, 0.5, 0], "intensity": 100},
-    {"type": "spot", "position": [10, 0, 0], "direction": [0, -3, 0], "intensity": 5, "innerConeAngle": 0.1, "outerConeAngle": 0.2, "range": 4},
+    {"type": "spot", "position": [10, 0, 0], "direction": [0, -3, 0], "intensity": 5, "innerConeAngle": 0.1, "outerConeAngle": 0.2,
+     "range": 4},
     {"type": "directional", "direction": [1, 0, 0], "intensity": 1000}]})", "lights.json", kOrigin);
   ASSERT_EQ(lights.size(), 3u);
   EXPECT_EQ(lights[0].type, uint32_t(LW_LIGHT_POINT));
@@ -122,7 +123,8 @@ TEST(LightsFile, RefusalsNameTheLight) {
        {std::pair{R"({"lights": [{"type": "point"}]})", "lights[0].position"}, {R"({"lights": [{"type": "area"}]})", "lights[0].type"},
         {R"({"lights": [{"type": "point", "position": [0, 0, 0], "intensity": -1}]})", "lights[0].intensity"},
         {R"({"lights": [{"type": "directional", "direction": [0, 0, 0]}]})", "lights[0].direction"},
-        {R"({"lights": [{"type": "spot", "position": [0, 0, 0], "direction": [0, 1, 0], "innerConeAngle": 0.8}]})", "lights[0].outerConeAngle"},
+        {R"({"lights": [{"type": "spot", "position": [0, 0, 0], "direction": [0, 1, 0], "innerConeAngle": 0.8}]})",
+         "lights[0].outerConeAngle"},
         {R"({"lights": [5]})", "lights[0]"}, {R"({"lights": 5})", "lights"}, {R"({})", "lights"}}) {
     try {
       parseLights(json, "lights.json", kOrigin);

@@ -47,7 +47,8 @@ double signedVolume(const Node& node) {
 }
 
 TEST(SampleScenes, RoomsAreClosedAndFaceInward) {
-  for (const auto& [scene, shell] : {std::pair{makeCornellBox(false), "room"}, {makeMarbleChamber(), "hall"}, {makeCorridorDoor(), "building"}}) {
+  for (const auto& [scene, shell] :
+       {std::pair{makeCornellBox(false), "room"}, {makeMarbleChamber(), "hall"}, {makeCorridorDoor(), "building"}}) {
     const Node& node = nodeNamed(scene, shell);
     EXPECT_TRUE(unmatchedEdges(node).empty()) << scene.name << ": " << unmatchedEdges(node).size() << " open edges";
     EXPECT_LT(signedVolume(node), -50) << scene.name << " must face its inside";
@@ -105,8 +106,9 @@ TEST(SampleScenes, LayoutKeepsChartsApart) {
             int& texel = owner[size_t(y) * size_t(size) + size_t(x)];
             ASSERT_TRUE(texel == -1 || texel == chart_number)
                 << scene.name << "/" << node.name << ": texel " << x << ", " << y << " of charts " << texel << " and " << chart_number;
-            if (x >= int(low.x * float(size)) && x <= int(high.x * float(size)) && y >= int(low.y * float(size)) && y <= int(high.y * float(size)))
-              texel = chart_number;
+            const bool inside = x >= int(low.x * float(size)) && x <= int(high.x * float(size)) && y >= int(low.y * float(size)) &&
+                                y <= int(high.y * float(size));
+            if (inside) texel = chart_number;
           }
         // No fold inside a chart: all triangles are wound alike in it.
         int positive = 0, negative = 0;
