@@ -157,23 +157,46 @@ Decomposition decompose(const SkyGrid& grid, const DecompositionSettings& settin
     throw UsageError("the density exponent of an environment lies between 0 and 1");
   std::vector<std::vector<uint32_t>> suns = findSuns(grid, settings.suns);
   if (suns.size() >= settings.samples) suns.resize(settings.samples - 1);
-  SkyGrid sky = grid;  // without the suns
-  Decomposition result;
-  result.label.assign(grid.size(), kNone);
-  for (uint32_t s = 0; s < suns.size(); ++s)
+  const uint32_t sun_count = uint32_t(suns.size());
+  std::vector<uint8_t> is_sun(grid.size(), 0);
+  for (const auto& sun : suns)
+    for (uint32_t i : sun) is_sun[i] = 1;
+  const int coarse_width = settings.fast ? kFastWidth : kRelaxationWidth;
+  const SkyGrid coarse = reduceSkyGrid(grid, coarse_width, is_sun);
+  const std::vector<Vec3> seed = placeSeeds(coarse, settings, settings.samples - sun_count, cancel);
+
+  // The fast path cuts the sky along blocks of texels, with the suns' texels behind them; the best path cuts the texels themselves.
+  SkyGrid blocks;
+  if (settings.fast) {
+    blocks = coarse;
+    for (const auto& sun : suns)
+      for (uint32_t i : sun) {
+        blocks.direction.push_back(grid.direction[i]);
+        blocks.flux_rgb.push_back(grid.flux_rgb[i]);
+        blocks.solid_angle_sr.push_back(grid.solid_angle_sr[i]);
+      }
+  }
+  const SkyGrid& cut = settings.fast ? blocks : grid;
+  std::vector<uint32_t> label = SphericalVoronoi(settings.fast ? coarse : grid).assign(seed, settings.threads);
+  for (uint32_t& l : label) l += sun_count;
+  for (uint32_t s = 0; s < sun_count; ++s)
     for (uint32_t i : suns[s]) {
-      result.label[i] = s;
-      sky.flux_rgb[i] = {};
-      sky.solid_angle_sr[i] = 0;
+      if (settings.fast)
+        label.push_back(s);
+      else
+        label[i] = s;
     }
-  const SkyGrid coarse = reduceSkyGrid(sky, settings.fast ? kFastWidth : kRelaxationWidth);
-  const std::vector<Vec3> seed = placeSeeds(coarse, settings, settings.samples - uint32_t(suns.size()), cancel);
-  const std::vector<uint32_t> nearest = SphericalVoronoi(grid).assign(seed, settings.threads);
-  for (size_t i = 0; i < grid.size(); ++i)
-    if (result.label[i] == kNone) result.label[i] = nearest[i] + uint32_t(suns.size());
-  const size_t count = orderLabels(grid, suns.size(), suns.size() + seed.size(), settings.threads, result.label);
-  result.cells = summarise(grid, result.label, count, settings.threads);
-  result.cells.sun_count = uint32_t(suns.size());
+  const size_t count = orderLabels(cut, sun_count, sun_count + seed.size(), settings.threads, label);
+  Decomposition result;
+  result.cells = summarise(cut, label, count, settings.threads);
+  result.cells.sun_count = sun_count;
+  if (!settings.fast) {
+    result.label = std::move(label);
+    return result;
+  }
+  result.label = expandLabels(grid, coarse_width, label);
+  for (uint32_t s = 0; s < sun_count; ++s)
+    for (uint32_t i : suns[s]) result.label[i] = s;
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "format/decode/pixel.h"
+#include "precompute/transport/environment/ggx_lobes.h"
 #include "precompute/transport/environment/sky_nodes.h"
 
 namespace lightwell::transport {
@@ -74,6 +75,12 @@ Rgb EnvironmentEvaluator::answer(const EnvironmentQuery& query) const {
     sum += cells_.flux_rgb[i] * (query.shininess == 1 ? averageCosine(Reflectivity::spread, sun, query.axis)
                                                       : averageCosinePower(Reflectivity::spread, sun, query.axis, query.shininess));
   }
+  return sum;
+}
+
+Rgb EnvironmentEvaluator::ggxRadiance(const Vec3& mirror, float roughness) const {
+  Rgb sum(0, 0, 0);
+  for (const PhongLobe& lobe : ggxLobes(roughness)) sum += answer({mirror, lobe.shininess}) * (lobe.weight * (lobe.shininess + 1) / (2 * kPi));
   return sum;
 }
 

@@ -17,6 +17,8 @@ class EnvironmentEvaluator {
 
   /// The sky's nodes and the suns: the default. Lobes narrower than maxShininess() see the sky with that one, at their own energy; suns always sharp.
   Rgb answer(const EnvironmentQuery& query) const;
+  /// Mean radiance under the GGX filter of a perceptual roughness about the mirror direction (see ggx_lobes.h).
+  Rgb ggxRadiance(const Vec3& mirror, float roughness) const;
   /// Cells alone, as light that is tested for visibility cell by cell.
   Rgb answerFromCells(const EnvironmentQuery& query, Reflectivity model) const;
   float maxShininess() const { return max_shininess_; }

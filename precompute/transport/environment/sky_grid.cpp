@@ -62,24 +62,36 @@ SkyGrid makeSkyGrid(EnvironmentMap& map, int max_width, Diagnostics& diagnostics
   return grid;
 }
 
-SkyGrid reduceSkyGrid(const SkyGrid& fine, int max_width) {
+SkyGrid reduceSkyGrid(const SkyGrid& fine, int max_width, const std::vector<uint8_t>& excluded) {
   const Blocks blocks(fine.width, fine.height, max_width);
   SkyGrid grid = emptyGrid(blocks.width, blocks.height);
   grid.frame = fine.frame;
-  std::vector<Vec3d> moment(grid.size(), Vec3d(0, 0, 0));
-  for (int fine_y = 0; fine_y < fine.height; ++fine_y)
-    for (int fine_x = 0; fine_x < fine.width; ++fine_x) {
-      const size_t from = size_t(fine_y) * size_t(fine.width) + size_t(fine_x);
-      const size_t to = size_t(fine_y / blocks.height_texels) * size_t(grid.width) + size_t(fine_x / blocks.width_texels);
-      for (size_t c = 0; c < 3; ++c) grid.flux_rgb[to][c] += fine.flux_rgb[from][c];
-      grid.solid_angle_sr[to] += fine.solid_angle_sr[from];
-      moment[to] += Vec3d(fine.direction[from]);
+  constexpr double pi = std::numbers::pi;
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) {
+      const size_t to = size_t(y) * size_t(grid.width) + size_t(x);
+      grid.direction[to] =
+          Vec3(grid.directionAt(blocks.middleRow(y) / fine.height * pi, (blocks.middleColumn(x) / fine.width - 0.5) * 2 * pi));
+      for (int fine_y = y * blocks.height_texels; fine_y < std::min(fine.height, (y + 1) * blocks.height_texels); ++fine_y)
+        for (int fine_x = x * blocks.width_texels; fine_x < std::min(fine.width, (x + 1) * blocks.width_texels); ++fine_x) {
+          const size_t from = size_t(fine_y) * size_t(fine.width) + size_t(fine_x);
+          if (!excluded.empty() && excluded[from]) continue;
+          for (size_t c = 0; c < 3; ++c) grid.flux_rgb[to][c] += fine.flux_rgb[from][c];
+          grid.solid_angle_sr[to] += fine.solid_angle_sr[from];
+        }
     }
-  for (size_t i = 0; i < grid.size(); ++i) {
-    const double length = moment[i].length();  // 0 only for a block that spans the whole sphere
-    grid.direction[i] = length > 1e-9 ? Vec3(moment[i] / length) : Vec3(0, 1, 0);
-  }
   return grid;
+}
+
+std::vector<uint32_t> expandLabels(const SkyGrid& fine, int max_width, const std::vector<uint32_t>& block_label) {
+  const Blocks blocks(fine.width, fine.height, max_width);
+  std::vector<uint32_t> label(fine.size());
+  for (int y = 0, i = 0; y < fine.height; ++y)
+    for (int x = 0; x < blocks.width; ++x) {
+      const uint32_t value = block_label[size_t(y / blocks.height_texels) * size_t(blocks.width) + size_t(x)];
+      for (const int end = i + std::min(blocks.width_texels, fine.width - x * blocks.width_texels); i < end; ++i) label[size_t(i)] = value;
+    }
+  return label;
 }
 
 }  // namespace lightwell::transport

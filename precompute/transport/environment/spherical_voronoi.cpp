@@ -33,26 +33,28 @@ SphericalVoronoi::SphericalVoronoi(const SkyGrid& grid) : grid_(grid) {
 std::vector<uint32_t> SphericalVoronoi::assign(std::span<const Vec3> seed, int threads) const {
   std::vector<uint32_t> label(grid_.size());
   parallelFor(tiles_.size(), 64, threads, nullptr, [&](size_t begin, size_t end) {
-    std::vector<float> angle(seed.size());
+    std::vector<float> chord2(seed.size());
     std::vector<uint32_t> candidate;
     for (size_t t = begin; t < end; ++t) {
       const Tile& tile = tiles_[t];
-      float nearest = kPi;
+      float nearest2 = 4;
       for (size_t i = 0; i < seed.size(); ++i) {
-        angle[i] = angleBetween(tile.center, seed[i]);
-        nearest = std::min(nearest, angle[i]);
+        chord2[i] = (tile.center - seed[i]).length2();
+        nearest2 = std::min(nearest2, chord2[i]);
       }
       // A texel is at most nearest + radius from some seed, and at least angle − radius from this one.
+      const float reach = 2 * std::asin(std::min(1.0f, 0.5f * std::sqrt(nearest2))) + 2 * tile.radius_rad + kAngleSlack;
+      const float reach2 = reach < kPi ? std::pow(2 * std::sin(0.5f * reach), 2.0f) : 5.0f;
       candidate.clear();
       for (size_t i = 0; i < seed.size(); ++i)
-        if (angle[i] <= nearest + 2 * tile.radius_rad + kAngleSlack) candidate.push_back(uint32_t(i));
+        if (chord2[i] <= reach2) candidate.push_back(uint32_t(i));
       for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x) {
           const size_t texel = size_t(y) * size_t(grid_.width) + size_t(x);
           const Vec3& d = grid_.direction[texel];
           float best = std::numeric_limits<float>::infinity();
           for (uint32_t i : candidate)
-            if (const float chord2 = (d - seed[i]).length2(); chord2 < best) best = chord2, label[texel] = i;
+            if (const float distance2 = (d - seed[i]).length2(); distance2 < best) best = distance2, label[texel] = i;
         }
     }
   });

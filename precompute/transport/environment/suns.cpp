@@ -19,17 +19,16 @@ std::array<uint32_t, 4> neighbours(const SkyGrid& grid, uint32_t index) {
   return {at(x - 1, y), at(x + 1, y), at(x, y - 1), at(x, y + 1)};
 }
 
-double radianceLuminance(const SkyGrid& grid, uint32_t i) { return luminance(grid.flux_rgb[i]) / grid.solid_angle_sr[i]; }
-
-/// The connected texels around `peak` that are brighter than `threshold`; empty when they cover more than `max_solid_angle`.
-std::vector<uint32_t> growSpot(const SkyGrid& grid, uint32_t peak, double threshold, double max_solid_angle, std::vector<uint8_t>& taken) {
+/// The connected texels around `peak` whose `radiance` reaches `threshold`; empty when they cover more than `max_solid_angle`. Taken texels
+/// are set to radiance −1.
+std::vector<uint32_t> growSpot(const SkyGrid& grid, uint32_t peak, float threshold, double max_solid_angle, std::vector<float>& radiance) {
   std::vector<uint32_t> spot = {peak};
-  taken[peak] = 1;
+  radiance[peak] = -1;
   double solid_angle = grid.solid_angle_sr[peak];
   for (size_t next = 0; next < spot.size() && solid_angle <= max_solid_angle; ++next)
     for (uint32_t n : neighbours(grid, spot[next]))
-      if (!taken[n] && radianceLuminance(grid, n) >= threshold) {
-        taken[n] = 1;
+      if (radiance[n] >= threshold) {
+        radiance[n] = -1;
         spot.push_back(n);
         solid_angle += grid.solid_angle_sr[n];
       }
@@ -62,25 +61,26 @@ double rimRadiance(const SkyGrid& grid, const std::vector<uint32_t>& spot) {
 
 std::vector<std::vector<uint32_t>> findSuns(const SkyGrid& grid, const SunSettings& settings) {
   const double max_solid_angle = 4 * std::numbers::pi * std::pow(std::sin(0.5 * settings.max_radius_rad), 2);
+  std::vector<float> radiance(grid.size());  // luminance
   double total = 0;
-  for (const auto& flux : grid.flux_rgb) total += luminance(flux);
-  std::vector<uint8_t> taken(grid.size(), 0);
+  for (size_t i = 0; i < grid.size(); ++i) {
+    const double flux = luminance(grid.flux_rgb[i]);
+    total += flux;
+    radiance[i] = float(flux / grid.solid_angle_sr[i]);
+  }
   std::vector<std::pair<double, std::vector<uint32_t>>> suns;  // by flux
   double rest = total;
   for (int tries = 0; tries < settings.max_suns; ++tries) {
-    uint32_t peak = kNone;
-    double brightest = 0;
-    for (uint32_t i = 0; i < grid.size(); ++i)
-      if (const double radiance = radianceLuminance(grid, i); !taken[i] && radiance > brightest) brightest = radiance, peak = i;
-    if (peak == kNone) break;
-    std::vector<uint32_t> spot = growSpot(grid, peak, brightest * kEdgeRatio, max_solid_angle, taken);
+    const auto peak = std::max_element(radiance.begin(), radiance.end());
+    const float brightest = *peak;
+    if (brightest <= 0) break;
+    std::vector<uint32_t> spot = growSpot(grid, uint32_t(peak - radiance.begin()), float(brightest * kEdgeRatio), max_solid_angle, radiance);
     if (spot.empty()) break;  // the brightest thing is wide: cells can follow it, and nothing else is a sun
     double flux = 0;
     for (uint32_t i : spot) flux += luminance(grid.flux_rgb[i]);
     const double mean_of_rest = std::max(0.0, rest - flux) / (4 * std::numbers::pi);
-    const bool stands_out = brightest >= mean_of_rest * std::exp2(settings.stops_above_mean) &&
-                            brightest >= rimRadiance(grid, spot) * std::exp2(settings.stops_above_surroundings);
-    if (!stands_out || flux < settings.min_share * total) continue;
+    if (brightest < mean_of_rest * std::exp2(settings.stops_above_mean)) break;  // as will be all that is dimmer
+    if (brightest < rimRadiance(grid, spot) * std::exp2(settings.stops_above_surroundings) || flux < settings.min_share * total) continue;
     rest -= flux;
     suns.emplace_back(flux, std::move(spot));
   }
