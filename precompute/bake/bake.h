@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "format/encode/reader.h"
 #include "precompute/bake/context.h"
 #include "precompute/bake/executor.h"
 
@@ -18,14 +19,19 @@ struct BakeGraph {
   TaskIndex container = 0;
   std::vector<plan::Omitted> omitted;
 };
-/// `warnings` are stored in the container's provenance.
-BakeGraph makeBakeGraph(const BakeContext& context, const std::vector<Warning>& warnings);
+struct GraphOptions {
+  plan::Settings settings;       // techniques, quality and refinement may differ from the context's
+  std::vector<Warning> warnings; // stored in the container's provenance
+  uint32_t test_lights = 0;      // the PRM's error is measured with so many lights; 0: not
+  bool time_limited = false;     // stored: the quality was chosen by the clock
+};
+BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options);
 
 struct SectionSize {
   std::string type;
   uint64_t stored_bytes = 0, raw_bytes = 0;  // in the file, and decoded
 };
-/// Sizes of the sections of a container, in its order. Throws format::ContainerError.
-std::vector<SectionSize> sectionSizes(const Bytes& container);
+/// Sizes of the sections of a container, in its order.
+std::vector<SectionSize> sectionSizes(const format::Reader& container);
 
 }  // namespace lightwell::bake

@@ -95,6 +95,7 @@ class Run {
     supervise();
     for (auto& thread : pool) thread.join();
     if (error_) std::rethrow_exception(error_);
+    if (stop_ && !cancelled()) throw DeadlinePassed();
     if (stop_) throw Cancelled();
     RunResult result;
     for (const TaskIndex goal : goals) result.goals.push_back(states_[goal].result);
@@ -129,7 +130,7 @@ class Run {
         stopwatch_.expect(graph_.task(index));
         for (const TaskIndex input : graph_.task(index).inputs) demand(input);
       }
-      stop_ = cancelled();
+      stop_ = mustStop();
     }
     total_ = demanded.size();
     for (const TaskIndex index : demanded) {
@@ -192,6 +193,7 @@ class Run {
   }
 
   bool cancelled() const { return options_.cancel && options_.cancel->cancelled(); }
+  bool mustStop() const { return cancelled() || Clock::now() >= options_.deadline; }
   bool finished() const { return stop_ || done_ == total_; }
 
   /// Reports progress and watches the cancel flag while the threads work.
@@ -201,7 +203,7 @@ class Run {
     std::unique_lock lock(mutex_);
     while (!finished()) {
       changed_.wait_for(lock, kPoll, [&] { return finished(); });
-      if (cancelled()) stop_ = true;
+      if (mustStop()) stop_ = true;
       if (Clock::now() < next_report) continue;
       next_report = Clock::now() + kReport;
       report(lock);

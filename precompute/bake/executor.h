@@ -1,7 +1,9 @@
 // Runs the tasks of a graph that are needed for its goals.
 #pragma once
+#include <chrono>
 #include <functional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -25,8 +27,15 @@ struct PhaseTime {
   double seconds;  // wall clock; where phases overlap, each gets its share of the running tasks, so that they sum to the whole
 };
 
+/// The work did not end before RunOptions::deadline.
+class DeadlinePassed : public std::runtime_error {
+ public:
+  DeadlinePassed() : std::runtime_error("the deadline passed") {}
+};
+
 struct RunOptions {
   const CancelFlag* cancel = nullptr;
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
   /// Called at least twice a second while tasks run, from one thread at a time.
   std::function<void(const Progress&)> progress;
 };
@@ -38,7 +47,7 @@ struct RunResult {
 };
 
 /// Tasks whose result is in the store are not run, nor is anything that only they would need. Results no longer needed are dropped.
-/// The bytes do not depend on the executor. Throws Cancelled, or the exception of a failed task (of several: the earliest in the graph).
+/// The bytes do not depend on the executor. Throws Cancelled, DeadlinePassed, or the exception of a failed task (of several: the earliest in the graph).
 class Executor {
  public:
   virtual ~Executor() = default;

@@ -1,6 +1,7 @@
 #include "precompute/bake/prm_tasks.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lightwell::bake {
 namespace {
@@ -13,7 +14,7 @@ std::string parametersOf(const BakeContext& context, const transport::PrmSetting
   std::string text = context.surfaceKey().hex();
   const auto add = [&](auto value) { text += ' ' + std::to_string(value); };
   add(int(s.layout)), add(int(s.estimator));
-  add(s.entries.clusters), add(s.entries.groups), add(s.entries.points_per_cluster), add(s.entries.points_per_group), add(s.entries.seed);
+  add(s.entries.clusters), add(s.entries.groups), add(s.entries.points_per_cluster), add(s.entries.points_per_group);
   add(s.bases.block_texels), add(s.bases.most_rank), add(s.bases.rank_error), add(s.bases.link_error), add(s.bases.rays);
   add(s.group_rays), add(s.training_lights), add(s.emitter_samples), add(s.walks_per_entry), add(s.seed);
   return text;
@@ -29,7 +30,7 @@ std::vector<ByteView> viewsOf(std::span<const Blob> blobs) {
 
 transport::PrmSettings prmSettings(const plan::Settings& settings) {
   transport::PrmSettings prm;
-  prm.seed = prm.entries.seed = settings.seed;
+  prm.seed = settings.seed;
   switch (settings.quality) {
     case plan::Quality::draft:
       prm.entries.clusters = 2048, prm.entries.groups = 384;
@@ -42,11 +43,22 @@ transport::PrmSettings prmSettings(const plan::Settings& settings) {
       break;
     case plan::Quality::production: break;  // the estimator's defaults
   }
+  const float factor = std::exp2(float(settings.refinement));
+  prm.bases.rank_error /= factor;
+  prm.bases.link_error /= factor;
+  if (settings.refinement > 0) {
+    const uint32_t more = 1u << settings.refinement;
+    prm.group_rays *= more, prm.bases.rays *= more;
+    prm.entries.clusters *= more, prm.training_lights *= more;
+    prm.bases.most_rank = std::min(64u, prm.bases.most_rank * more);
+  } else {
+    prm.bases.most_rank = std::max(1u, prm.bases.most_rank >> -settings.refinement);
+  }
   return prm;
 }
 
-PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, std::shared_ptr<const transport::PrmBaker> baker) {
-  const transport::PrmSettings settings = prmSettings(context.settings());
+PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transport::PrmSettings& settings,
+                     std::shared_ptr<const transport::PrmBaker> baker) {
   const std::string parameters = parametersOf(context, settings);
   // One task for each piece of [0, count); `stage` is called with the ends of the piece.
   const auto addRange = [&](const std::string& name, uint32_t count, uint32_t piece, double cost_each, const std::vector<TaskIndex>& inputs,
@@ -60,7 +72,7 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, std::shared_p
     }
     return tasks;
   };
-  PrmTasks tasks{baker, {}, {}};
+  PrmTasks tasks{baker, {}, {}, 0};
   const double entries = settings.entries.clusters * double(settings.entries.points_per_cluster);
   const auto bounces = addRange("bounces", baker->groupCount(), kGroupsPerTask, settings.group_rays, {},
                                 [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->oneBounce(first, end); });
@@ -81,13 +93,63 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, std::shared_p
          const std::span<const ByteView> all(views);
          return baker->solve(all.first(bounces), all.subspan(bounces, training), all.subspan(bounces + training));
        }});
+  tasks.solved = solve;
   tasks.blocks = addRange("fit", baker->blockCount(), kBlocksPerTask, double(settings.bases.block_texels) * settings.bases.rays, {solve},
                           [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fit(first, end, *in.inputs[0]); });
   return tasks;
 }
 
-transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter) {
-  return tasks.baker->assemble(viewsOf(blocks), viewsOf(emitter));
+transport::PrmResult assemblePrm(const PrmTasks& tasks, const atlas::Atlas& atlas, std::span<const Blob> blocks, std::span<const Blob> emitter,
+                                 const Blob& solved) {
+  return keepShownTexels(tasks.baker->assemble(viewsOf(blocks), viewsOf(emitter), *solved), atlas);
+}
+
+transport::PrmResult keepShownTexels(const transport::PrmResult& prm, const atlas::Atlas& atlas) {
+  transport::PrmResult kept;
+  kept.entries = prm.entries;
+  std::vector<uint32_t> indices;  // of the kept values
+  for (uint32_t i = 0; i < prm.texel.size(); ++i)
+    if (atlas.source[prm.texel[i]] == prm.texel[i]) indices.push_back(i);
+  const auto pick = [&](const auto& values, auto& out) {
+    if (values.empty()) return;
+    for (const uint32_t i : indices) out.push_back(values[i]);
+  };
+  pick(prm.texel, kept.texel);
+  pick(prm.emitter_direct_rgb, kept.emitter_direct_rgb);
+  pick(prm.emitter_indirect_rgb, kept.emitter_indirect_rgb);
+  if (!prm.panes.irradiance_rgb.empty())
+    for (size_t pane = 0; pane < prm.entries.clusterCount(); ++pane)
+      for (const uint32_t i : indices) kept.panes.irradiance_rgb.push_back(prm.panes.irradiance_rgb[pane * prm.texel.size() + i]);
+
+  const transport::PrmLocalBases& from = prm.bases;
+  if (from.block_rank.empty()) return kept;
+  transport::PrmLocalBases& to = kept.bases;
+  to.group_count = from.group_count;
+  to.cluster_group = from.cluster_group;
+  to.group_transport = from.group_transport;
+  to.block_first_texel = to.block_first_link = {0};
+  size_t first_basis = 0, first_coefficient = 0, next = 0;  // `next`: into indices
+  for (size_t block = 0; block < from.block_rank.size(); ++block) {
+    const size_t rank = from.block_rank[block], first = from.block_first_texel[block], end = from.block_first_texel[block + 1];
+    const size_t first_link = from.block_first_link[block], links = from.block_first_link[block + 1] - first_link;
+    const size_t begin = next;
+    for (; next < indices.size() && indices[next] < end; ++next) {
+      const auto row = from.basis.begin() + std::ptrdiff_t(first_basis + (indices[next] - first) * rank);
+      to.basis.insert(to.basis.end(), row, row + std::ptrdiff_t(rank));
+    }
+    if (next > begin) {
+      const auto link = from.link_cluster.begin() + std::ptrdiff_t(first_link);
+      const auto coefficient = from.coefficient.begin() + std::ptrdiff_t(first_coefficient);
+      to.link_cluster.insert(to.link_cluster.end(), link, link + std::ptrdiff_t(links));
+      to.coefficient.insert(to.coefficient.end(), coefficient, coefficient + std::ptrdiff_t(links * rank * 3));
+      to.block_rank.push_back(from.block_rank[block]);
+      to.block_first_texel.push_back(uint32_t(next));
+      to.block_first_link.push_back(uint32_t(to.link_cluster.size()));
+    }
+    first_basis += (end - first) * rank;
+    first_coefficient += links * rank * 3;
+  }
+  return kept;
 }
 
 }  // namespace lightwell::bake

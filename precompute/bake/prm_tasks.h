@@ -14,12 +14,18 @@ transport::PrmSettings prmSettings(const plan::Settings& settings);
 struct PrmTasks {
   std::shared_ptr<const transport::PrmBaker> baker;
   std::vector<TaskIndex> blocks, emitter;  // outputs of fit and of emitterDirect, in range order
+  TaskIndex solved = 0;                    // output of solve
 };
 
-/// Adds the tasks up to the fitted blocks. `context` must have a tracer and outlive the graph; `baker` was made with prmSettings().
-PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, std::shared_ptr<const transport::PrmBaker> baker);
+/// Adds the tasks up to the fitted blocks. `context` must have a tracer and outlive the graph; `baker` was made with `settings`.
+PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transport::PrmSettings& settings,
+                     std::shared_ptr<const transport::PrmBaker> baker);
 
-/// Joins their outputs.
-transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter);
+/// Joins their outputs. The result has values for the texels of `atlas` that are shown, and no others: buried texels show a neighbour's value.
+transport::PrmResult assemblePrm(const PrmTasks& tasks, const atlas::Atlas& atlas, std::span<const Blob> blocks, std::span<const Blob> emitter,
+                                 const Blob& solved);
+
+/// Drops the values of texels that show another one's value, and blocks that have none left.
+transport::PrmResult keepShownTexels(const transport::PrmResult& prm, const atlas::Atlas& atlas);
 
 }  // namespace lightwell::bake

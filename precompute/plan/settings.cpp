@@ -90,6 +90,7 @@ std::string canonicalJson(const Settings& settings) {
   return json{{"techniques", techniques},
               {"lightmap_size", settings.lightmap_size},
               {"quality", name(settings.quality)},
+              {"refinement", settings.refinement},
               {"seed", settings.seed},
               {"light_units", name(settings.light_units)}}
       .dump();
@@ -113,6 +114,11 @@ Settings settingsFromJson(std::string_view text) {
       settings.lightmap_size = value.get<int>();
     } else if (key == "quality") {
       settings.quality = required(kQualities, key, value);
+    } else if (key == "refinement") {
+      if (!value.is_number_integer() || value < kCoarsestRefinement || value > kFinestRefinement)
+        throw UsageError("settings: \"refinement\" must be a whole number from " + std::to_string(kCoarsestRefinement) + " to " +
+                         std::to_string(kFinestRefinement));
+      settings.refinement = value.get<int>();
     } else if (key == "seed") {
       if (!value.is_number_unsigned()) throw UsageError("settings: \"seed\" must be a whole number that is not negative");
       settings.seed = value.get<uint64_t>();

@@ -14,11 +14,13 @@ enum class Technique { prm, lightmap, vpl, radiosity, environment };
 enum class Quality { draft, preview, production };
 
 inline constexpr int kMostLightmapSize = 8192;
+inline constexpr int kFinestRefinement = 3, kCoarsestRefinement = -6;
 
 struct Settings {
   std::vector<Technique> techniques;  // as named, without repetitions; empty: auto, what the scene can use
   int lightmap_size = 256;            // texels along each side of the atlas, 1 to kMostLightmapSize
   Quality quality = Quality::production;
+  int refinement = 0;                 // steps finer (> 0) or coarser (< 0) than the quality's own; chosen by a bake with limits
   uint64_t seed = 1;
   scene::LightUnits light_units = scene::LightUnits::spec;
 };

@@ -52,17 +52,18 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   settings.techniques = {Technique::prm};
   settings.lightmap_size = 33;
   settings.quality = Quality::draft;
+  settings.refinement = -2;
   settings.seed = 0xffffffffffffffffull;
   settings.light_units = scene::LightUnits::raw;
   const std::string json = canonicalJson(settings);
   EXPECT_EQ(canonicalJson(settingsFromJson(json)), json);
-  EXPECT_EQ(json, R"({"light_units":"raw","lightmap_size":33,"quality":"draft","seed":18446744073709551615,"techniques":["prm"]})");
+  EXPECT_EQ(json, R"({"light_units":"raw","lightmap_size":33,"quality":"draft","refinement":-2,"seed":18446744073709551615,"techniques":["prm"]})");
   EXPECT_EQ(canonicalJson(settingsFromJson("{}")), canonicalJson(Settings{}));
 }
 
 TEST(Settings, JsonIsChecked) {
   for (const char* bad : {"", "[]", "{", R"({"quality":"best"})", R"({"quality":1})", R"({"lightmap_size":0})", R"({"lightmap_size":8193})",
-                          R"({"lightmap_size":1.5})", R"({"seed":-1})", R"({"threads":2})", R"({"techniques":[1]})", R"({"light_units":null})"})
+                          R"({"lightmap_size":1.5})", R"({"seed":-1})", R"({"refinement":4})", R"({"refinement":-7})", R"({"threads":2})", R"({"techniques":[1]})", R"({"light_units":null})"})
     EXPECT_THROW(settingsFromJson(bad), UsageError) << bad;
 }
 

@@ -166,7 +166,7 @@ TEST(Executor, CancelEndsWithinASecond) {
   CancelFlag cancel;
   std::thread canceller([&] { std::this_thread::sleep_for(std::chrono::milliseconds(100)), cancel.cancel(); });
   const auto begin = std::chrono::steady_clock::now();
-  EXPECT_THROW(ThreadExecutor(3).run(graph, tasks, store, {&cancel, {}}), Cancelled);
+  EXPECT_THROW(ThreadExecutor(3).run(graph, tasks, store, {.cancel = &cancel}), Cancelled);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
   canceller.join();
 }
@@ -178,7 +178,7 @@ TEST(Executor, ProgressReachesTheWhole) {
   const auto top = text.add("top", row);
   std::vector<Progress> seen;
   NullStore store;
-  const auto result = ThreadExecutor(2).run(text.graph, std::array{top}, store, {nullptr, [&](const Progress& p) { seen.push_back(p); }});
+  const auto result = ThreadExecutor(2).run(text.graph, std::array{top}, store, {.progress = [&](const Progress& p) { seen.push_back(p); }});
   ASSERT_FALSE(seen.empty());
   EXPECT_EQ(seen.back().tasks_done, 21u);
   EXPECT_EQ(seen.back().tasks_total, 21u);

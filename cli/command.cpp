@@ -1,0 +1,64 @@
+#include "cli/command.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+namespace lightwell::cli {
+namespace fs = std::filesystem;
+
+void addThreads(CLI::App& command, int& threads) {
+  command.add_option("--threads", threads, "Threads to use; 0 means all of the machine. The result does not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+}
+
+void addLights(CLI::App& command, std::optional<fs::path>& lights) {
+  command.add_option("--lights", lights, "Lights to use instead of the scene's own punctual lights; emitting surfaces stay")
+      ->type_name("LIGHTS.json");
+}
+
+void addOutput(CLI::App& command, fs::path& output, const std::string& what) {
+  command.add_option("-o,--output", output, what)->required()->type_name("FILE");
+}
+
+void checkWritable(const fs::path& file) {
+  const auto refuse = [&](const std::string& reason) { throw UsageError("cannot write " + file.string() + ": " + reason); };
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::error_code error;
+  if (file.filename().empty()) refuse("it names a folder");
+  if (!fs::is_directory(folder, error)) refuse("there is no folder " + folder.string());
+  if (fs::exists(file, error) && !fs::is_regular_file(file, error)) refuse("it exists and is not a regular file");
+  if (access(folder.c_str(), W_OK | X_OK) != 0) refuse(std::strerror(errno));
+}
+
+void checkReadable(const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) throw InputError(file.string(), "", "no such file");
+  if (!fs::is_regular_file(file, error)) throw InputError(file.string(), "", "not a regular file");
+  if (access(file.c_str(), R_OK) != 0) throw InputError(file.string(), "", std::strerror(errno));
+}
+
+void writeOutput(Session& session, const fs::path& file, const std::function<void()>& write) {
+  const Interrupt::OutputGuard guard(session.interrupt);
+  try {
+    write();
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    const std::string reason = error.what();
+    throw UsageError(reason.find(file.string()) != std::string::npos ? reason : "cannot write " + file.string() + ": " + reason);
+  }
+}
+
+void printJson(const nlohmann::json& document) {
+  const std::string text = document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  std::fflush(stdout);
+}
+
+}  // namespace lightwell::cli

@@ -1,0 +1,172 @@
+// lightwell info: what is in a container.
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "format/encode/reader.h"
+
+namespace lightwell::cli {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Options {
+  fs::path container;
+  bool json = false;
+};
+
+const char* elementName(const format::ChunkInfo& chunk) {
+  static constexpr const char* kNames[] = {"", "bytes", "u8", "i8", "u16", "i16", "u32", "f16", "f32", "rgb9e5"};
+  return chunk.decodable ? kNames[int(chunk.element)] : "unknown";
+}
+const char* codecName(const format::ChunkInfo& chunk) {
+  static constexpr const char* kNames[] = {"", "raw", "zstd", "zstd_planes", "zstd_delta_planes"};
+  return chunk.decodable ? kNames[int(chunk.codec)] : "unknown";
+}
+
+json chunkJson(const format::ChunkInfo& chunk) {
+  return {{"name", chunk.name},
+          {"element", elementName(chunk)},
+          {"shape", std::vector<uint64_t>(chunk.shape, chunk.shape + chunk.rank)},
+          {"codec", codecName(chunk)},
+          {"stored_bytes", chunk.stored_bytes},
+          {"raw_bytes", chunk.raw_bytes}};
+}
+
+json sectionsJson(const format::Reader& reader) {
+  json sections = json::array();
+  for (const auto& section : reader.view().sections())
+    sections.push_back({{"type", section.type},
+                        {"version", section.version},
+                        {"required", section.required},
+                        {"known", section.known},
+                        {"stored_bytes", 0},
+                        {"raw_bytes", 0},
+                        {"chunks", json::array()}});
+  for (const auto& chunk : reader.view().chunks()) {
+    json& section = sections[chunk.section_index];
+    section["chunks"].push_back(chunkJson(chunk));
+    section["stored_bytes"] = section["stored_bytes"].get<uint64_t>() + chunk.stored_bytes;
+    section["raw_bytes"] = section["raw_bytes"].get<uint64_t>() + chunk.raw_bytes;
+  }
+  return sections;
+}
+
+/// The parts of the headers that people ask for.
+json contentJson(const format::Reader& reader) {
+  json content = json::object();
+  if (reader.has("scene", "header")) {
+    const auto scene = reader.scene();
+    content["scene"] = {{"origin_m", std::vector<double>(scene.origin().begin(), scene.origin().end())},
+                        {"bounds_min_m", std::vector<float>(scene.bounds_min().begin(), scene.bounds_min().end())},
+                        {"bounds_max_m", std::vector<float>(scene.bounds_max().begin(), scene.bounds_max().end())},
+                        {"lights", scene.lights_size()}};
+  }
+  if (reader.has("atlas", "header")) {
+    const auto atlas = reader.atlas();
+    content["atlas"] = {{"width", atlas.width()},
+                        {"height", atlas.height()},
+                        {"covered_texels", atlas.covered_texels()},
+                        {"charts", atlas.charts()},
+                        {"unwrapped", atlas.unwrapped()}};
+  }
+  if (reader.has("prm", "header")) {
+    const auto prm = reader.prm();
+    content["prm"] = {{"layout", prm.layout() == v1::PRM_LAYOUT_PANES ? "panes" : "local_bases"},
+                      {"entries", prm.entries()},
+                      {"clusters", prm.clusters()},
+                      {"texels", prm.texels()},
+                      {"blocks", prm.blocks()},
+                      {"max_rank", prm.max_rank()},
+                      {"brightest", prm.brightest()},
+                      {"has_emitter", prm.has_emitter()}};
+  }
+  return content;
+}
+
+json documentOf(const format::Reader& reader) {
+  json document{{"file", reader.file()},
+                {"bytes", reader.view().fileBytes()},
+                {"version", "1." + std::to_string(reader.view().versionMinor())},
+                {"sections", sectionsJson(reader)},
+                {"content", contentJson(reader)},
+                {"omitted", json::array()},
+                {"errors", json::array()},
+                {"provenance", nullptr}};
+  if (!reader.has("meta", "header")) return document;
+  const auto meta = reader.meta();
+  for (const auto& o : meta.omitted()) document["omitted"].push_back({{"type", o.type()}, {"reason", o.reason()}});
+  for (const auto& e : meta.errors())
+    document["errors"].push_back(
+        {{"section", e.section()}, {"relrmse", e.relrmse()}, {"texrel", e.texrel()}, {"bias", e.bias()}, {"against", e.against()}});
+  const auto& p = meta.provenance();
+  char hash[17];
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(p.scene_hash()));
+  const json settings = json::parse(p.settings_json(), nullptr, false);
+  document["provenance"] = {{"tool_version", p.tool_version()},
+                            {"scene_name", p.scene_name()},
+                            {"scene_hash", hash},
+                            {"settings", settings.is_discarded() ? json(nullptr) : settings},
+                            {"time_limited", p.time_limited()},
+                            {"warnings", std::vector<std::string>(p.warnings().begin(), p.warnings().end())}};
+  return document;
+}
+
+std::string shapeText(const json& shape) {
+  std::string text;
+  for (const auto& extent : shape) text += (text.empty() ? "" : " x ") + extent.dump();
+  return text.empty() ? "1" : text;
+}
+
+std::string padded(std::string text, size_t width) { return text.append(text.size() < width ? width - text.size() : 1, ' '); }
+
+void printForPeople(const json& d) {
+  const auto out = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
+  out(d["file"].get<std::string>() + ": container version " + d["version"].get<std::string>() + ", " + formatBytes(d["bytes"].get<double>()));
+  if (const auto& p = d["provenance"]; !p.is_null()) {
+    out("  baked from " + p["scene_name"].get<std::string>() + " (" + p["scene_hash"].get<std::string>() + ") by lightwell " +
+        p["tool_version"].get<std::string>() + (p["time_limited"].get<bool>() ? ", cut by a time limit" : ""));
+    out("  settings " + p["settings"].dump());
+    for (const auto& w : p["warnings"]) out("  warning: " + w.get<std::string>());
+  }
+  for (const auto& [name, header] : d["content"].items()) {
+    std::string line = "  " + name + ":";
+    for (const auto& [key, value] : header.items()) line += " " + key + " " + (value.is_string() ? value.get<std::string>() : value.dump()) + ",";
+    line.pop_back();
+    out(line);
+  }
+  for (const auto& s : d["sections"]) {
+    out(padded(s["type"].get<std::string>(), 12) + padded(formatBytes(s["stored_bytes"].get<double>()), 10) + "decoded " +
+        formatBytes(s["raw_bytes"].get<double>()) + (s["known"].get<bool>() ? "" : "  (not known to this version)"));
+    for (const auto& c : s["chunks"])
+      out("  " + padded(c["name"].get<std::string>(), 22) + padded(c["element"].get<std::string>(), 8) + padded(shapeText(c["shape"]), 18) +
+          padded(c["codec"].get<std::string>(), 18) + formatBytes(c["stored_bytes"].get<double>()));
+  }
+  for (const auto& e : d["errors"])
+    out("measured error of " + e["section"].get<std::string>() + ": relrmse " + e["relrmse"].dump() + ", texrel " + e["texrel"].dump() + ", bias " +
+        e["bias"].dump() + " against " + e["against"].get<std::string>());
+  for (const auto& o : d["omitted"]) out("without " + o["type"].get<std::string>() + ": " + o["reason"].get<std::string>());
+}
+
+void run(const Options& options) {
+  checkReadable(options.container);
+  const format::Reader reader(options.container);
+  const json document = documentOf(reader);
+  if (options.json)
+    printJson(document);
+  else
+    printForPeople(document);
+}
+
+}  // namespace
+
+void addInfo(CLI::App& app, Session&) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("info", "Tell what is in a container: sections, sizes, codecs, what was left out and why");
+  command->add_option("container", options->container, "Container to read")->required()->type_name("OUT.lwc");
+  command->add_flag("--json", options->json, "Print JSON (schemas/info.schema.json)");
+  command->footer("Example:\n  lightwell info room.lwc --json | jq '.sections[] | {type, stored_bytes}'");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace lightwell::cli

@@ -1,0 +1,56 @@
+#include "cli/prm_evaluator.h"
+
+#include <array>
+#include <cmath>
+
+namespace lightwell::cli {
+
+void traceVisibility(void* visibility_tracer, const lw_shadow_ray* rays, uint32_t count, float* visibility) {
+  const auto& self = *static_cast<const VisibilityTracer*>(visibility_tracer);
+  constexpr float kShortOfLight = 1.0f - 1e-4f;  // a lamp's own body, modelled around its light, does not hide it
+  const float units_per_metre = float(1.0 / self.scene.metres_per_unit);
+  std::vector<trace::Ray> segments(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    const lw_shadow_ray& ray = rays[i];
+    const Vec3 position = Vec3(ray.origin_m[0], ray.origin_m[1], ray.origin_m[2]) * units_per_metre;
+    const Vec3 normal(ray.normal[0], ray.normal[1], ray.normal[2]), direction(ray.direction[0], ray.direction[1], ray.direction[2]);
+    segments[i] = {.origin = trace::Tracer::offsetOrigin(position, normal, direction),
+                   .direction = direction,
+                   .t_max = ray.distance_m * units_per_metre * kShortOfLight,
+                   .key = ray.entry};
+  }
+  self.tracer.transmittance(segments, std::span(visibility, count));
+  if (self.by_entry)
+    for (uint32_t i = 0; i < count; ++i) self.by_entry[rays[i].entry] = visibility[i];
+}
+
+std::vector<float> entryVisibility(const PrmEvaluation& evaluation, const lw_prm* prm, const lw_light& light) {
+  lw_prm_info info;
+  evaluation.container.check(lw_prm_get_info(prm, &info));
+  std::vector<float> visibility(info.entries, 1.0f), unused(size_t(info.entries) * 3);
+  VisibilityTracer tracer{evaluation.scene, evaluation.tracer, visibility.data()};
+  evaluation.container.check(lw_prm_entry_irradiance(prm, &light, 1, traceVisibility, &tracer, unused.data()));
+  return visibility;
+}
+
+std::vector<float> evaluatePrmOnCpu(const PrmEvaluation& evaluation) {
+  const RuntimeContainer& container = evaluation.container;
+  const auto prm = container.loadPrm();
+  lw_prm_info info;
+  container.check(lw_prm_get_info(prm.get(), &info));
+  std::vector<lw_light> lights;
+  for (const auto& light : evaluation.lights) lights.push_back(runtimeLight(evaluation.scene, light));
+
+  std::vector<float> entry_rgb(size_t(info.entries) * 3), cluster_rgb(size_t(info.clusters) * 3), atlas_rgba(size_t(info.width) * info.height * 4);
+  VisibilityTracer tracer{evaluation.scene, evaluation.tracer};
+  container.check(lw_prm_entry_irradiance(prm.get(), lights.data(), uint32_t(lights.size()), traceVisibility, &tracer, entry_rgb.data()));
+  container.check(lw_prm_cluster_irradiance(prm.get(), entry_rgb.data(), cluster_rgb.data()));
+  lw_prm_options options = LW_PRM_OPTIONS_INIT;
+  options.brightest = info.brightest;
+  options.emitters = evaluation.emitters;
+  std::vector<float> scratch((lw_prm_scratch_bytes(prm.get()) + sizeof(float) - 1) / sizeof(float));
+  container.check(lw_prm_evaluate(prm.get(), cluster_rgb.data(), &options, scratch.data(), scratch.size() * sizeof(float), atlas_rgba.data()));
+  return atlas_rgba;
+}
+
+}  // namespace lightwell::cli

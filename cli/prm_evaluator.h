@@ -1,0 +1,35 @@
+// Evaluating the section "prm" with the runtime: on the CPU, or on OpenGL without a window. Visibility is ray-traced in both.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "cli/runtime_handles.h"
+#include "precompute/trace/tracer.h"
+
+namespace lightwell::cli {
+
+struct PrmEvaluation {
+  const RuntimeContainer& container;
+  const scene::Scene& scene;       // of the container (bake::loadContainerScene)
+  const trace::Tracer& tracer;     // of that scene
+  std::span<const scene::Light> lights;
+  uint32_t emitters = LW_EMITTERS_OFF;  // LW_EMITTERS_… bits to add
+};
+
+/// Irradiance, [height * width][4]; A is not coverage: gutters have values too.
+std::vector<float> evaluatePrmOnCpu(const PrmEvaluation& evaluation);
+/// The same on an OpenGL 3.3 context without a surface. Throws UsageError when this machine gives none.
+std::vector<float> evaluatePrmOnGl(const PrmEvaluation& evaluation);
+
+/// For every entry point of `prm`, how much of `light` arrives (1 where it could not reach anyway).
+std::vector<float> entryVisibility(const PrmEvaluation& evaluation, const lw_prm* prm, const lw_light& light);
+
+/// An lw_visibility_fn whose `user` is a VisibilityTracer.
+struct VisibilityTracer {
+  const scene::Scene& scene;
+  const trace::Tracer& tracer;
+  float* by_entry = nullptr;  // if set, receives the answers at their entry points
+};
+void traceVisibility(void* visibility_tracer, const lw_shadow_ray* rays, uint32_t count, float* visibility);
+
+}  // namespace lightwell::cli

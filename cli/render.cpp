@@ -1,0 +1,64 @@
+// lightwell render: a picture of a container, drawn with OpenGL as a game would.
+#include <memory>
+
+#include "cli/command.h"
+#include "cli/runtime_handles.h"
+#include "precompute/core/error.h"
+#include "render/camera_json.h"
+#include "render/egl_context.h"
+#include "render/error.h"
+#include "render/lights_json.h"
+#include "render/renderer.h"
+
+namespace lightwell::cli {
+namespace {
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path container, camera, output;
+  std::optional<fs::path> lights;
+};
+
+render::Image8 draw(const Options& options, const RuntimeContainer& container, const render::View& view) {
+  const render::EglContext context;
+  render::Renderer renderer(container.get(), render::EglContext::load, nullptr);
+  if (options.lights) renderer.setLights(render::readLights(*options.lights, renderer.sceneInfo().origin_m));
+  return renderer.render(view);
+}
+
+void run(Session& session, const Options& options) {
+  checkWritable(options.output);
+  for (const fs::path& input : {options.container, options.camera}) checkReadable(input);
+  if (options.lights) checkReadable(*options.lights);
+  try {
+    const render::View view = render::readCamera(options.camera);
+    const RuntimeContainer container(options.container);
+    const render::Image8 image = draw(options, container, view);
+    writeOutput(session, options.output, [&] { render::writePng(options.output, image); });
+    session.console.line(options.output.string() + ": " + std::to_string(image.width) + " x " + std::to_string(image.height));
+  } catch (const render::FileError& error) {
+    throw InputError(error.file, error.place, error.reason);
+  } catch (const render::RenderError& error) {
+    if (error.result >= LW_GL_UNSUPPORTED) throw UsageError(std::string("this machine's OpenGL cannot draw it: ") + error.what());
+    throw;
+  }
+}
+
+}  // namespace
+
+void addRender(CLI::App& app, Session& session) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("render", "Draw a picture of a container with OpenGL, without a window");
+  command->add_option("container", options->container, "Container to draw")->required()->type_name("OUT.lwc");
+  command->add_option("--camera", options->camera, "Where to look from (docs/cli.md)")->required()->type_name("CAM.json");
+  addLights(*command, options->lights);
+  addOutput(*command, options->output, "PNG to write");
+  command->footer(R"(The camera is a file such as
+  {"eye": [0, 1.7, 4], "target": [0, 1, 0], "vertical_fov_deg": 60, "width": 1280, "height": 720, "exposure": "auto", "mode": "full"}
+
+Example:
+  lightwell render room.lwc --camera cam.json --lights lamps.json -o room.png)");
+  command->callback([&session, options] { run(session, *options); });
+}
+
+}  // namespace lightwell::cli

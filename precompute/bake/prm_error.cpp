@@ -1,0 +1,120 @@
+#include "precompute/bake/prm_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "precompute/core/image.h"
+#include "precompute/core/random.h"
+#include "precompute/transport/compare.h"
+#include "precompute/transport/prm/entry_irradiance.h"
+#include "precompute/transport/prm/evaluate.h"
+#include "precompute/transport/prm/light_prior.h"
+#include "precompute/transport/reference/reference.h"
+
+namespace lightwell::bake {
+namespace {
+
+constexpr uint32_t kSamples = 32;      // paths per texel in each of the two references
+constexpr uint64_t kLightSeed = 0x6c69676874ull;  // apart from the lights that bases are fitted to
+constexpr size_t kRuns = 32, kRunSlots = 32;      // the sample: runs of neighbouring texels, spread evenly over the atlas
+
+transport::PriorLight testLight(const BakeContext& context, uint32_t index) {
+  return transport::samplePriorLights(context.scene(), context.atlas(), *context.tracer(), index + 1, combineKeys(context.settings().seed, kLightSeed))
+      .back();
+}
+
+/// Half-open ranges of slots.
+std::vector<std::pair<size_t, size_t>> sampledRuns(size_t slots) {
+  if (slots <= kRuns * kRunSlots) return {{0, slots}};
+  std::vector<std::pair<size_t, size_t>> runs;
+  for (size_t i = 0; i < kRuns; ++i) {
+    const size_t first = i * (slots - kRunSlots) / (kRuns - 1);
+    runs.emplace_back(std::max(first, runs.empty() ? 0 : runs.back().second), first + kRunSlots);
+  }
+  return runs;
+}
+
+ImageRgba imageOf(const std::vector<Rgb>& values, const std::vector<float>& coverage) {
+  ImageRgba image{int(values.size()), 1, {}};
+  for (size_t i = 0; i < values.size(); ++i) image.pixels.push_back({values[i].x, values[i].y, values[i].z, coverage[i]});
+  return image;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& context, uint32_t lights) {
+  std::vector<TaskIndex> tasks;
+  for (uint32_t i = 0; i < lights; ++i)
+    tasks.push_back(graph.add({"measure/" + std::to_string(i), "measure", "measure",
+                               context.surfaceKey().hex() + " " + std::to_string(context.settings().seed) + " " + std::to_string(i), {}, 1,
+                               [&context, i](const TaskInputs& in) {
+                                 const scene::Light light = testLight(context, i).light;
+                                 ByteWriter writer;
+                                 for (const uint64_t half : {1, 2}) {
+                                   transport::ReferenceOptions options{.samples = kSamples, .threads = 1, .cancel = &in.cancel};
+                                   options.seed = combineKeys(combineKeys(context.settings().seed, kLightSeed), half);
+                                   std::vector<Rgb> irradiance_rgb;
+                                   for (const auto& [first, end] : sampledRuns(context.atlas().slots.size())) {
+                                     const auto run = transport::referenceIrradianceRange(context.scene(), context.atlas(), *context.tracer(), {light},
+                                                                                          transport::Component::indirect, options, first, end);
+                                     irradiance_rgb.insert(irradiance_rgb.end(), run.irradiance_rgb.begin(), run.irradiance_rgb.end());
+                                   }
+                                   writer.array(irradiance_rgb);
+                                 }
+                                 return writer.take();
+                               }}));
+  return tasks;
+}
+
+std::optional<MeasuredError> measurePrm(const BakeContext& context, const transport::PrmResult& prm, std::span<const Blob> references) {
+  const atlas::Atlas& atlas = context.atlas();
+  std::vector<uint32_t> value_of_slot(atlas.slots.size(), kNone);
+  for (uint32_t i = 0; i < prm.texel.size(); ++i) value_of_slot[atlas.texel_slot[prm.texel[i]]] = i;
+  struct Measured {
+    double mean, relrmse, texrel, bias;
+  };
+  std::vector<Measured> lights;
+  size_t texels = 0;
+  for (uint32_t i = 0; i < references.size(); ++i) {
+    ByteReader reader(*references[i]);
+    const auto first_rgb = reader.array<Rgb>(), second_rgb = reader.array<Rgb>();
+    const auto light = testLight(context, i).light;
+    const auto indirect_rgb = transport::evaluatePrm(prm, transport::clusterIrradiance(prm.entries, *context.tracer(), light));
+    std::vector<Rgb> candidate_rgb;
+    std::vector<float> coverage;
+    for (const auto& [first, end] : sampledRuns(atlas.slots.size()))
+      for (size_t slot = first; slot < end; ++slot) {
+        const uint32_t value = value_of_slot[slot];
+        // Buried texels show another's value: they are no part of what a player sees.
+        const bool shown = value != kNone && atlas.source[atlas.slots[slot].texel] == atlas.slots[slot].texel;
+        candidate_rgb.push_back(shown ? indirect_rgb[value] : Rgb(0.0f));
+        coverage.push_back(shown ? 1.0f : 0.0f);
+      }
+    const ImageRgba first = imageOf(first_rgb, coverage), second = imageOf(second_rgb, coverage);
+    const auto error = transport::compareMaps(first, imageOf(candidate_rgb, coverage), &second);
+    double mean = 0;
+    for (const auto& value : first_rgb) mean += luminance(value);
+    if (error.texels == 0 || !std::isfinite(error.relrmse) || !std::isfinite(error.texrel)) continue;
+    lights.push_back({mean, error.relrmse, error.texrel, error.bias});
+    texels = std::max(texels, error.texels);
+  }
+  if (lights.empty()) return std::nullopt;
+  const auto medianOf = [&](double Measured::*field) {
+    std::vector<double> values;
+    for (const auto& light : lights) values.push_back(light.*field);
+    return median(values);
+  };
+  // Lights in sealed pockets say nothing about the scene.
+  const double enough = 0.1 * medianOf(&Measured::mean);
+  std::erase_if(lights, [&](const Measured& light) { return light.mean < enough; });
+  return MeasuredError{medianOf(&Measured::relrmse), medianOf(&Measured::texrel), medianOf(&Measured::bias),
+                       "median of " + std::to_string(lights.size()) + " point lights, indirect light path-traced at " + std::to_string(texels) + " texels"};
+}
+
+}  // namespace lightwell::bake
