@@ -131,7 +131,7 @@ Tracer::Tracer(const scene::Scene& scene, int threads) : impl_(std::make_unique<
   impl.embree_scene = rtcNewScene(impl.device);
   // Robust: without it 6 % of the rays aimed at shared edges of a closed mesh escape, with it none does. It costs a fifth of the rate.
   rtcSetSceneFlags(impl.embree_scene, RTC_SCENE_FLAG_ROBUST);
-  // Medium, not high: no spatial splits, which would show a triangle to the filter functions twice. Incoherent rays are as fast.
+  // Medium, not high: after spatial splits a filter function may be asked twice about one triangle. Incoherent rays are as fast.
   rtcSetSceneBuildQuality(impl.embree_scene, RTC_BUILD_QUALITY_MEDIUM);
   if (!mesh.triangles.empty()) {
     const size_t vertex_bytes = mesh.positions.size() * sizeof(Vec3);

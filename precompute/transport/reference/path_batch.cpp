@@ -139,7 +139,7 @@ bool PathBatch::scatter(Path& path, const PathStart& start) {
   if (context_.component == Component::direct && context_.emitters.empty()) return false;
   const uint32_t dimension = dimensionOf(path.depth, kDirection);
   const Vec3 local = sampleCosineHemisphere(start.sampler.get2D(start.sample, dimension));
-  const Vec3 direction = toWorld(local, path.vertex.shading_normal).normalized();
+  const Vec3 direction = toWorld(local, path.vertex.shading_normal);
   if (!(direction.dot(path.vertex.geometric_normal) > 0.0f)) return false;  // from below the surface nothing is received
   path.pdf_direction = local.z / kPi;
   rays_.push_back({trace::Tracer::offsetOrigin(path.vertex.position, path.vertex.geometric_normal, direction), direction, 0.0f,

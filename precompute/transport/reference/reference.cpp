@@ -12,7 +12,7 @@
 namespace lightwell::transport {
 namespace {
 
-constexpr uint32_t kBatchPaths = 8192;  // long batches for the tracer, and few enough for the caches
+constexpr uint32_t kBatchPaths = 4096;  // a piece of work; few enough for the caches and for a prompt cancellation
 constexpr uint32_t kMaxGroups = 8;
 
 /// Samples of a texel are split into independently scrambled groups: points of one low-discrepancy set are not independent, so only the
@@ -34,7 +34,7 @@ struct TexelSums {
       scatter += deviation * deviation * double(count[g]);
     }
     mean_rgb = Rgb(mean);
-    // With one group nothing is known of the error but that it is no greater than some multiple of the value: infinity says "unknown".
+    // From one group nothing is known of the error: infinity.
     for (int c = 0; c < 3; ++c)
       standard_error_rgb[c] =
           groups > 1 ? float(std::sqrt(scatter[c] / ((groups - 1) * samples))) : std::numeric_limits<float>::infinity();

@@ -18,13 +18,15 @@ struct ReferenceOptions {
   std::function<void(double fraction)> progress;  // may be empty; called from any thread
 };
 
-/// Irradiance per slot and its standard error (of the mean; per channel), both in the order of Atlas::slots.
+/// Irradiance per slot and its standard error (of the mean; per channel; infinite for a single sample), both in the order of Atlas::slots.
 struct IrradianceMap {
   std::vector<Rgb> irradiance_rgb, standard_error_rgb;
 };
 
 /// Path tracing from points spread over each texel's surface: next-event estimation to punctual lights and to emissive triangles (chosen by
-/// power, MIS with the balance heuristic against cosine sampling), Russian roulette by throughput, no clamping: unbiased.
+/// power, distance and orientation, MIS with the balance heuristic against cosine sampling), Russian roulette by throughput, no clamping: unbiased.
+/// Of surfaces that coincide a ray meets one: emitters that lie on each other shine once, and never on themselves.
+/// Throws UsageError without samples, Cancelled when options.cancel was set. `lights` in internal units.
 /// Direct: straight from a light or emitter. Indirect: after at least one reflection.
 /// Irradiance is about the interpolated normal; light from below the geometric surface is not received.
 IrradianceMap referenceIrradiance(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer,
