@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "precompute/core/random.h"
 #include "tests/environment/skies.h"
 
 namespace lightwell::transport {
@@ -269,6 +270,29 @@ TEST_F(MapFiles, DamagedOpenExrFiles) {
     out.writePixels(10);
   }
   EXPECT_NE(rejection(path("depth.exr")).find("Z"), std::string::npos);
+}
+
+TEST_F(MapFiles, FlippedBytesAreReadOrRejected) {
+  const std::vector<std::string> rgb = {"R", "G", "B"};
+  {
+    Planes<half> planes(kWindow, 3);
+    Imf::OutputFile out(path("whole.exr").c_str(), exrHeader(kWindow, kWindow, rgb, Imf::HALF));
+    out.setFrameBuffer(planes.frame(rgb));
+    out.writePixels(10);
+  }
+  std::ifstream in(path("whole.exr"), std::ios::binary);
+  const std::string exr{std::istreambuf_iterator<char>(in), {}};
+  for (const std::string& whole : {exr, header("-Y 4 +X 16") + components(), header("-Y 4 +X 16") + flat(false, false)})
+    for (uint64_t i = 0; i < 400; ++i) {
+      std::string damaged = whole;
+      const uint32_t where = mixBits(2 * i) % damaged.size();
+      damaged[where] = char(uint8_t(damaged[where]) ^ (1u << mixBits(2 * i + 1) % 8));
+      try {
+        for (const Rgb& value : read(write("flipped", damaged))) ASSERT_TRUE(isFinite(value) && value.x >= 0 && value.y >= 0 && value.z >= 0);
+      } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("flipped"), std::string::npos);
+      }
+    }
 }
 
 // ---- Placement and repair.
