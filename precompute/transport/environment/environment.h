@@ -14,7 +14,7 @@
 namespace lightwell::transport {
 
 /// All arrays have one element per cell. The first `sun_count` cells are suns: bright spots with edges of their own; the others are the
-/// spherical Voronoi cells of the rest, by falling luminance of their flux. 64 bytes a cell.
+/// spherical Voronoi cells of the rest, by falling luminance of their flux. 48 bytes a cell.
 struct EnvironmentCells {
   uint32_t sun_count = 0;
   std::vector<Vec3> direction;          // unit, toward the light: the centroid of its power
