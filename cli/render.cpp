@@ -20,10 +20,16 @@ struct Options {
 };
 
 render::Image8 draw(const Options& options, const RuntimeContainer& container, const render::View& view) {
-  const render::EglContext context;
-  render::Renderer renderer(container.get(), render::EglContext::load, nullptr);
-  if (options.lights) renderer.setLights(render::readLights(*options.lights, renderer.sceneInfo().origin_m));
-  return renderer.render(view);
+  try {
+    const render::EglContext context;
+    render::Renderer renderer(container.get(), render::EglContext::load, nullptr);
+    if (options.lights) renderer.setLights(render::readLights(*options.lights, renderer.sceneInfo().origin_m));
+    return renderer.render(view);
+  } catch (const render::RenderError& error) {
+    if (error.result >= LW_GL_UNSUPPORTED) throw UsageError(std::string("this machine's OpenGL cannot draw it: ") + error.what());
+    container.check(error.result);
+    throw;
+  }
 }
 
 void run(Session& session, const Options& options) {
@@ -38,9 +44,6 @@ void run(Session& session, const Options& options) {
     session.console.line(options.output.string() + ": " + std::to_string(image.width) + " x " + std::to_string(image.height));
   } catch (const render::FileError& error) {
     throw InputError(error.file, error.place, error.reason);
-  } catch (const render::RenderError& error) {
-    if (error.result >= LW_GL_UNSUPPORTED) throw UsageError(std::string("this machine's OpenGL cannot draw it: ") + error.what());
-    throw;
   }
 }
 
