@@ -32,8 +32,8 @@ bool needsAlpha(const scene::Scene& scene, const scene::Material& material) {
   return !constant || material.alpha < 1.0f;
 }
 
-/// Closest hits: a surface of alpha a stops a ray with probability a. The decision is a function of the ray's key and the triangle, hence the
-/// same however often Embree asks.
+/// Closest hits: a surface of alpha a stops a ray with probability a. The decision is a function of the ray's key and the triangle, hence
+/// the same however often Embree asks.
 void passOrStop(const RTCFilterFunctionNArguments* args) {
   const auto& cut_outs = *static_cast<const CutOuts*>(args->geometryUserPtr);
   for (unsigned i = 0; i < args->N; ++i) {
@@ -139,7 +139,8 @@ Tracer::Tracer(const scene::Scene& scene, int threads) : impl_(std::make_unique<
     impl.check("make a vertex buffer");
     std::copy(mesh.positions.begin(), mesh.positions.end(), static_cast<Vec3*>(rtcGetBufferData(impl.vertices)));
     if (!impl.opaque.empty()) impl.triangle_of[impl.attach(impl.opaque, nullptr)] = impl.opaque.data();
-    if (!impl.cut_outs.triangle.empty()) impl.triangle_of[impl.attach(impl.cut_outs.triangle, &impl.cut_outs)] = impl.cut_outs.triangle.data();
+    const std::vector<uint32_t>& filtered = impl.cut_outs.triangle;
+    if (!filtered.empty()) impl.triangle_of[impl.attach(filtered, &impl.cut_outs)] = filtered.data();
   }
   rtcCommitScene(impl.embree_scene);
   impl.check("build the acceleration structure");

@@ -36,8 +36,9 @@ class Tracer {
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 
-  /// Nearest hits. rays.size() == hits.size(). Thread-safe. A hit depends on its ray alone, not on the rays beside it: Embree gets the rays one by
-  /// one, which is as fast as packets and streams for incoherent rays. Segments that are empty, NaN or infinite in origin or direction hit nothing.
+  /// Nearest hits. rays.size() == hits.size(). Thread-safe. A hit depends on its ray alone, not on the rays beside it: Embree gets the rays
+  /// one by one, which is as fast as packets and streams for incoherent rays. Segments that are empty, NaN, or infinite in origin or
+  /// direction hit nothing.
   void closest(std::span<const Ray> rays, std::span<Hit> hits) const;
 
   /// Fraction of light that passes along origin + t * direction, t in (t_min, t_max): 0 occluded, 1 free.

@@ -31,8 +31,8 @@ double quantile(std::vector<double>& values, double q) {
 MapError compareMaps(const ImageRgba& reference, const ImageRgba& candidate, const ImageRgba* reference_b) {
   const auto requireSize = [&](const ImageRgba& other, const char* name) {
     if (other.width != reference.width || other.height != reference.height)
-      throw UsageError("the maps differ in size: the reference has " + std::to_string(reference.width) + " x " + std::to_string(reference.height) +
-                       " texels, the " + name + " " + std::to_string(other.width) + " x " + std::to_string(other.height));
+      throw UsageError("the maps differ in size: the reference has " + std::to_string(reference.width) + " x " +
+                       std::to_string(reference.height) + " texels, the " + name + " " + std::to_string(other.width) + " x " + std::to_string(other.height));
   };
   requireSize(candidate, "candidate");
   if (reference_b) requireSize(*reference_b, "second reference");

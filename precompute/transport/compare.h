@@ -15,7 +15,8 @@ struct MapError {
   double max = 0;
 };
 
-/// `reference_b`, when given, is a second independent noisy reference: mean((c − A)(c − B)) replaces the square (the reference's own noise drops out).
+/// `reference_b`, when given, is a second independent noisy reference: mean((c − A)(c − B)) replaces the square, so that the references' own
+/// noise drops out. Lit means above 1e-4 of the mean; without a texel to compare the errors are infinite.
 /// Throws UsageError when the sizes differ.
 MapError compareMaps(const ImageRgba& reference, const ImageRgba& candidate, const ImageRgba* reference_b = nullptr);
 

@@ -31,7 +31,7 @@ TEST(Sampler, EveryPrefixOfPowerOfTwoIsANet) {
             const Vec2 p = sampler.get2D(i, dimension);
             cells.insert({int(std::ldexp(p.x, bits_x)), int(std::ldexp(p.y, bits - bits_x))});
           }
-          ASSERT_EQ(cells.size(), size_t(1) << bits) << "owner " << owner << " dimension " << dimension << " shape " << bits_x << "/" << bits;
+          ASSERT_EQ(cells.size(), size_t(1) << bits) << "owner " << owner << " dimension " << dimension << " " << bits_x << "/" << bits;
         }
       }
 }
@@ -61,10 +61,11 @@ TEST(Sampler, OwnersDimensionsAndSeedsAreUncorrelated) {
   };
   const Sampler a(1, 10), b(1, 11), c(2, 10);
   for (uint32_t d = 0; d < 8; ++d) {
-    EXPECT_LT(std::abs(correlation([&](uint32_t i) { return a.get2D(i, d).x; }, [&](uint32_t i) { return a.get2D(i, d + 1).x; })), 4.5) << d;
-    EXPECT_LT(std::abs(correlation([&](uint32_t i) { return a.get2D(i, d).x; }, [&](uint32_t i) { return b.get2D(i, d).x; })), 4.5) << d;
+    const auto x = [&](uint32_t i) { return a.get2D(i, d).x; };
+    EXPECT_LT(std::abs(correlation(x, [&](uint32_t i) { return a.get2D(i, d + 1).x; })), 4.5) << d;
+    EXPECT_LT(std::abs(correlation(x, [&](uint32_t i) { return b.get2D(i, d).x; })), 4.5) << d;
     EXPECT_LT(std::abs(correlation([&](uint32_t i) { return a.get2D(i, d).y; }, [&](uint32_t i) { return c.get2D(i, d).y; })), 4.5) << d;
-    EXPECT_LT(std::abs(correlation([&](uint32_t i) { return a.get1D(i, d); }, [&](uint32_t i) { return a.get2D(i, d).x; })), 4.5) << d;
+    EXPECT_LT(std::abs(correlation(x, [&](uint32_t i) { return a.get1D(i, d); })), 4.5) << d;
   }
 }
 

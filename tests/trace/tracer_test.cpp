@@ -79,7 +79,8 @@ TEST(Tracer, AgreesWithBruteForceOnASoup) {
   const Tracer tracer(scene);
   Uniform uniform(12);
   std::vector<Ray> rays;
-  for (int i = 0; i < 4000; ++i) rays.push_back({uniform.inBox(8), uniform.direction(), uniform() < 0.5f ? 0.0f : 1.0f, uniform() < 0.5f ? 4.0f : 100.0f});
+  for (int i = 0; i < 4000; ++i)
+    rays.push_back({uniform.inBox(8), uniform.direction(), uniform() < 0.5f ? 0.0f : 1.0f, uniform() < 0.5f ? 4.0f : 100.0f});
   const std::vector<Hit> hits = closest(tracer, rays);
   const std::vector<float> free = transmittance(tracer, rays);
   int found = 0, edge_cases = 0;

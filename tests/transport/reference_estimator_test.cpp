@@ -215,7 +215,8 @@ TEST(Emitters, DensityIntegratesToOneAndMatchesTheSamples) {
       for (int i = 0; i + j < kGrid; ++i) {
         const bool diagonal = i + j == kGrid - 1;
         const float shift = diagonal ? 1.0f / 3 : 0.5f;
-        integral += emitters.pdfArea(triangle, (i + shift) / kGrid, (j + shift) / kGrid, position, normal) * (diagonal ? 32.0 : 64.0) / (kGrid * kGrid);
+        const float pdf_area = emitters.pdfArea(triangle, (i + shift) / kGrid, (j + shift) / kGrid, position, normal);
+        integral += pdf_area * (diagonal ? 32.0 : 64.0) / (kGrid * kGrid);
       }
   EXPECT_NEAR(integral, 1, 0.01);
 
@@ -233,7 +234,8 @@ TEST(Emitters, DensityIntegratesToOneAndMatchesTheSamples) {
 }
 
 TEST(Emitters, PaintedLampsAreEstimatedWithoutBias) {
-  // The lit corner as a quad of its own must give the same light. Bilinear filtering blurs its edge by half a texel each way: no net change.
+  // The lit corner as a quad of its own must give the same light. Bilinear filtering blurs its edge by half a texel each way: no net
+  // change.
   const scene::Scene painted = paintedWall();
   SceneBuilder builder;
   builder.quad(Vec3(-0.5f, 0, -0.5f), Vec3(0, 0, 1), Vec3(1, 0, 0), builder.material(diffuse(0)));

@@ -62,7 +62,7 @@ LightBounds unite(const LightBounds& a, const LightBounds& b) {
   return both;
 }
 
-/// The surface area orientation heuristic: power × solid angle of the emission × surface area (the diagonal's square, for sets without one).
+/// The surface area orientation heuristic: power × solid angle of the emission × surface area (the diagonal's square where there is none).
 double splitCost(const LightBounds& b) {
   if (b.power <= 0.0f) return 0.0;
   const double o = b.normal_spread, w = std::min<double>(b.normal_spread + b.emission_spread, std::numbers::pi);

@@ -1,6 +1,6 @@
 // A tree over many lights from which one is picked by how much it may give to a point, in logarithmic time.
-// Conty Estevez, Kulla: "Importance Sampling of Many Lights with Adaptive Tree Splitting" (2018): bounds of position, orientation and power per
-// node, the importance of section 3, the surface area orientation heuristic of section 4.
+// Conty Estevez, Kulla: "Importance Sampling of Many Lights with Adaptive Tree Splitting" (2018): bounds of position, orientation and
+// power per node, an importance made of them, the surface area orientation heuristic.
 #pragma once
 #include <span>
 #include <vector>

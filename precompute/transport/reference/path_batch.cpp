@@ -49,8 +49,9 @@ void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& ir
   paths_.clear();
   for (uint32_t i = 0; i < starts.size(); ++i) {
     const PathStart& start = starts[i];
-    const atlas::SurfacePoint point = atlas::sampleSlot(scene.mesh, atlas, atlas.slots[start.slot], start.sampler.get1D(start.sample, kPatch),
-                                                        start.sampler.get2D(start.sample, kPlace));
+    const float pick = start.sampler.get1D(start.sample, kPatch);
+    const Vec2 place = start.sampler.get2D(start.sample, kPlace);
+    const atlas::SurfacePoint point = atlas::sampleSlot(scene.mesh, atlas, atlas.slots[start.slot], pick, place);
     Path path;
     path.index = i;
     path.vertex = {point.position, point.normal, point.geometric_normal};

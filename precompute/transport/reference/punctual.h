@@ -18,8 +18,8 @@ class PunctualLights {
     Vec3 to_light;       // unit
     float distance;      // internal units; infinite for a directional light
   };
-  /// Appends to `samples` an unbiased estimate of the irradiance at `position` (unit normal `normal`). With `all_of_few` each of few lights gets
-  /// a sample of its own; else one of them is picked by what it would give unoccluded. `u` in [0, 1).
+  /// Appends to `samples` an unbiased estimate of the irradiance at `position` (unit normal `normal`). With `all_of_few` each of few
+  /// lights gets a sample of its own; else one of them is picked by what it would give unoccluded. `u` in [0, 1).
   void sample(const Vec3& position, const Vec3& normal, bool all_of_few, float u, std::vector<Sample>& samples) const;
 
  private:

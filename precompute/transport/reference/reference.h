@@ -24,7 +24,8 @@ struct IrradianceMap {
 };
 
 /// Path tracing from points spread over each texel's surface: next-event estimation to punctual lights and to emissive triangles (chosen by
-/// power, distance and orientation, MIS with the balance heuristic against cosine sampling), Russian roulette by throughput, no clamping: unbiased.
+/// power, distance and orientation, MIS with the balance heuristic against cosine sampling), Russian roulette by throughput, no clamping:
+/// unbiased.
 /// Of surfaces that coincide a ray meets one: emitters that lie on each other shine once, and never on themselves.
 /// Throws UsageError without samples, Cancelled when options.cancel was set. `lights` in internal units.
 /// Direct: straight from a light or emitter. Indirect: after at least one reflection.
