@@ -17,11 +17,7 @@ transport::Component componentNamed(const std::string& name) {
 
 ImageRgba imageOfSlots(const atlas::Atlas& atlas, int size, std::span<const Rgb> slot_rgb) {
   ImageRgba image{size, size, std::vector<std::array<float, 4>>(size_t(size) * size)};
-  for (const auto& slot : atlas.slots) {
-    const uint32_t source = atlas.source[slot.texel];
-    const Rgb& value = slot_rgb[source == kNone ? size_t(&slot - atlas.slots.data()) : atlas.texel_slot[source]];
-    image.pixels[slot.texel] = {value.x, value.y, value.z, 1.0f};
-  }
+  for (size_t i = 0; i < atlas.slots.size(); ++i) image.pixels[atlas.slots[i].texel] = {slot_rgb[i].x, slot_rgb[i].y, slot_rgb[i].z, 1.0f};
   return image;
 }
 

@@ -14,7 +14,7 @@ namespace lightwell::cli {
 void addComponent(CLI::App& command, std::string& component);
 transport::Component componentNamed(const std::string& name);
 
-/// The EXR convention of the outside contract: size × size, covered texels show the value of their source texel with A = 1, others are 0.
+/// The EXR convention of the outside contract: size × size, covered texels have their own value and A = 1, others are 0.
 /// `slot_rgb` has one value per slot. An atlas without slots gives an image without coverage.
 ImageRgba imageOfSlots(const atlas::Atlas& atlas, int size, std::span<const Rgb> slot_rgb);
 

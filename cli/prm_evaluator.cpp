@@ -48,6 +48,7 @@ std::vector<float> evaluatePrmOnCpu(const PrmEvaluation& evaluation) {
   lw_prm_options options = LW_PRM_OPTIONS_INIT;
   options.brightest = info.brightest;
   options.emitters = evaluation.emitters;
+  options.fill = 0;
   std::vector<float> scratch((lw_prm_scratch_bytes(prm.get()) + sizeof(float) - 1) / sizeof(float));
   container.check(lw_prm_evaluate(prm.get(), cluster_rgb.data(), &options, scratch.data(), scratch.size() * sizeof(float), atlas_rgba.data()));
   return atlas_rgba;

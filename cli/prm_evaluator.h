@@ -16,7 +16,7 @@ struct PrmEvaluation {
   uint32_t emitters = LW_EMITTERS_OFF;  // LW_EMITTERS_… bits to add
 };
 
-/// Irradiance, [height * width][4]; A is not coverage: gutters have values too.
+/// Irradiance, [height * width][4]: each texel's own mean, not what it shows in a game; A = 1 where the transport has a value.
 std::vector<float> evaluatePrmOnCpu(const PrmEvaluation& evaluation);
 /// The same on an OpenGL 3.3 context without a surface. Throws UsageError when this machine gives none.
 std::vector<float> evaluatePrmOnGl(const PrmEvaluation& evaluation);

@@ -76,6 +76,7 @@ std::vector<float> evaluatePrmOnGl(const PrmEvaluation& evaluation) {
   lw_prm_options options = LW_PRM_OPTIONS_INIT;
   options.brightest = info.brightest;
   options.emitters = evaluation.emitters;
+  options.fill = 0;
   container.check(lw_gl_evaluate(gl_prm.get(), &options));
   std::vector<float> atlas_rgba(size_t(info.width) * info.height * 4);
   container.check(lw_gl_read_atlas(gl_prm.get(), atlas_rgba.data()));

@@ -65,6 +65,7 @@ bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header) {
       case 6: reader.read(header.max_rank); break;
       case 7: reader.read(header.brightest); break;
       case 8: reader.read(header.has_emitter); break;
+      case 9: reader.read(header.groups); break;
     }
   return reader.ok();
 }

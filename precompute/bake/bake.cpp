@@ -38,8 +38,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   std::optional<transport::PrmResult> prm;
   if (plan.prm) {
     const size_t blocks = tasks.blocks.size(), emitter = tasks.emitter.size();
-    prm = assemblePrm(tasks, context.atlas(), in.inputs.first(blocks), in.inputs.subspan(blocks, emitter),
-                      in.inputs[blocks + emitter]);
+    prm = assemblePrm(tasks, in.inputs.first(blocks), in.inputs.subspan(blocks, emitter), in.inputs[blocks + emitter]);
     in.cancel.check();
     if (const auto measured = measurePrm(context, *prm, in.inputs.subspan(blocks + emitter + 1))) {
       v1::MeasuredError* error = meta.add_errors();

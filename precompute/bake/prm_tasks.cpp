@@ -99,57 +99,8 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
   return tasks;
 }
 
-transport::PrmResult assemblePrm(const PrmTasks& tasks, const atlas::Atlas& atlas, std::span<const Blob> blocks, std::span<const Blob> emitter,
-                                 const Blob& solved) {
-  return keepShownTexels(tasks.baker->assemble(viewsOf(blocks), viewsOf(emitter), *solved), atlas);
-}
-
-transport::PrmResult keepShownTexels(const transport::PrmResult& prm, const atlas::Atlas& atlas) {
-  transport::PrmResult kept;
-  kept.entries = prm.entries;
-  std::vector<uint32_t> indices;  // of the kept values
-  for (uint32_t i = 0; i < prm.texel.size(); ++i)
-    if (atlas.source[prm.texel[i]] == prm.texel[i]) indices.push_back(i);
-  const auto pick = [&](const auto& values, auto& out) {
-    if (values.empty()) return;
-    for (const uint32_t i : indices) out.push_back(values[i]);
-  };
-  pick(prm.texel, kept.texel);
-  pick(prm.emitter_direct_rgb, kept.emitter_direct_rgb);
-  pick(prm.emitter_indirect_rgb, kept.emitter_indirect_rgb);
-  if (!prm.panes.irradiance_rgb.empty())
-    for (size_t pane = 0; pane < prm.entries.clusterCount(); ++pane)
-      for (const uint32_t i : indices) kept.panes.irradiance_rgb.push_back(prm.panes.irradiance_rgb[pane * prm.texel.size() + i]);
-
-  const transport::PrmLocalBases& from = prm.bases;
-  if (from.block_rank.empty()) return kept;
-  transport::PrmLocalBases& to = kept.bases;
-  to.group_count = from.group_count;
-  to.cluster_group = from.cluster_group;
-  to.group_transport = from.group_transport;
-  to.block_first_texel = to.block_first_link = {0};
-  size_t first_basis = 0, first_coefficient = 0, next = 0;  // `next`: into indices
-  for (size_t block = 0; block < from.block_rank.size(); ++block) {
-    const size_t rank = from.block_rank[block], first = from.block_first_texel[block], end = from.block_first_texel[block + 1];
-    const size_t first_link = from.block_first_link[block], links = from.block_first_link[block + 1] - first_link;
-    const size_t begin = next;
-    for (; next < indices.size() && indices[next] < end; ++next) {
-      const auto row = from.basis.begin() + std::ptrdiff_t(first_basis + (indices[next] - first) * rank);
-      to.basis.insert(to.basis.end(), row, row + std::ptrdiff_t(rank));
-    }
-    if (next > begin) {
-      const auto link = from.link_cluster.begin() + std::ptrdiff_t(first_link);
-      const auto coefficient = from.coefficient.begin() + std::ptrdiff_t(first_coefficient);
-      to.link_cluster.insert(to.link_cluster.end(), link, link + std::ptrdiff_t(links));
-      to.coefficient.insert(to.coefficient.end(), coefficient, coefficient + std::ptrdiff_t(links * rank * 3));
-      to.block_rank.push_back(from.block_rank[block]);
-      to.block_first_texel.push_back(uint32_t(next));
-      to.block_first_link.push_back(uint32_t(to.link_cluster.size()));
-    }
-    first_basis += (end - first) * rank;
-    first_coefficient += links * rank * 3;
-  }
-  return kept;
+transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter, const Blob& solved) {
+  return tasks.baker->assemble(viewsOf(blocks), viewsOf(emitter), *solved);
 }
 
 }  // namespace lightwell::bake

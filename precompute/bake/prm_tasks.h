@@ -21,11 +21,7 @@ struct PrmTasks {
 PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transport::PrmSettings& settings,
                      std::shared_ptr<const transport::PrmBaker> baker);
 
-/// Joins their outputs. The result has values for the texels of `atlas` that are shown, and no others: buried texels show a neighbour's value.
-transport::PrmResult assemblePrm(const PrmTasks& tasks, const atlas::Atlas& atlas, std::span<const Blob> blocks, std::span<const Blob> emitter,
-                                 const Blob& solved);
-
-/// Drops the values of texels that show another one's value, and blocks that have none left.
-transport::PrmResult keepShownTexels(const transport::PrmResult& prm, const atlas::Atlas& atlas);
+/// Joins their outputs. Every covered texel has its own value, buried ones too: what they show is the atlas's matter.
+transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter, const Blob& solved);
 
 }  // namespace lightwell::bake

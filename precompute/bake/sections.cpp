@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "format/decode/pixel.h"
+#include "precompute/bake/quantised_bases.h"
 
 namespace lightwell::bake {
 namespace {
@@ -46,36 +47,25 @@ void addPanes(format::Writer& writer, const transport::PrmResult& prm) {
   writer.add("prm", "pane", toRgb9e5(prm.panes.irradiance_rgb), {prm.entries.clusterCount(), prm.texel.size()}, ElementType::rgb9e5);
 }
 
-/// Basis values to 1/127; coefficients to 16 bits with a scale for each block, basis map and channel.
-void addLocalBases(format::Writer& writer, const transport::PrmLocalBases& bases) {
+void addLocalBases(format::Writer& writer, const transport::PrmResult& prm) {
+  const transport::PrmLocalBases& bases = prm.bases;
+  const uint64_t groups = bases.group_count;
   std::vector<int8_t> basis(bases.basis.size());
   std::transform(bases.basis.begin(), bases.basis.end(), basis.begin(),
                  [](float v) { return int8_t(std::lround(std::clamp(v, -1.0f, 1.0f) * 127.0f)); });
-  std::vector<float> scale;
-  std::vector<int16_t> coefficient(bases.coefficient.size());
-  size_t first = 0;
-  for (size_t block = 0; block < bases.block_rank.size(); ++block) {
-    const size_t columns = size_t(bases.block_rank[block]) * 3;
-    const size_t links = bases.block_first_link[block + 1] - bases.block_first_link[block];
-    for (size_t column = 0; column < columns; ++column) {
-      float largest = 0;
-      for (size_t link = 0; link < links; ++link) largest = std::max(largest, std::abs(bases.coefficient[first + link * columns + column]));
-      const float step = largest > 0 ? largest / 32767.0f : 1.0f;
-      for (size_t link = 0; link < links; ++link) {
-        const size_t i = first + link * columns + column;
-        coefficient[i] = int16_t(std::clamp(std::lround(bases.coefficient[i] / step), -32767l, 32767l));
-      }
-      scale.push_back(step);
-    }
-    first += links * columns;
-  }
+  const QuantisedBases quantised = quantiseBases(prm);
+  writer.add("prm", "cluster_group", bases.cluster_group);
+  writer.add("prm", "group_transport_scale", quantised.group_transport_scale, {groups, 3});
+  if (quantised.group_transport_u16.empty()) writer.add("prm", "group_transport", quantised.group_transport_u8, {groups, groups, 3});
+  else writer.add("prm", "group_transport", quantised.group_transport_u16, {groups, groups, 3});
   writer.add("prm", "block_first_texel", bases.block_first_texel);
   writer.add("prm", "block_rank", bases.block_rank);
   writer.add("prm", "basis", basis);
   writer.add("prm", "block_first_link", bases.block_first_link);
   writer.add("prm", "link_cluster", bases.link_cluster);
-  writer.add("prm", "coefficient_scale", scale);
-  writer.add("prm", "coefficient", coefficient);
+  writer.add("prm", "coefficient_scale", quantised.coefficient_scale);
+  if (quantised.coefficient_i16.empty()) writer.add("prm", "coefficient", quantised.coefficient_i8);
+  else writer.add("prm", "coefficient", quantised.coefficient_i16);
 }
 
 }  // namespace
@@ -147,6 +137,7 @@ void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, doub
   header.set_texels(uint32_t(prm.texel.size()));
   if (bases) {
     header.set_blocks(uint32_t(prm.bases.block_rank.size()));
+    header.set_groups(prm.bases.group_count);
     header.set_max_rank(*std::max_element(prm.bases.block_rank.begin(), prm.bases.block_rank.end()));
   }
   header.set_has_emitter(emitters);
@@ -159,7 +150,7 @@ void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, doub
   writer.add("prm", "cluster_first_entry", prm.entries.cluster_first_entry);
   writer.add("prm", "texel", prm.texel);
   if (bases)
-    addLocalBases(writer, prm.bases);
+    addLocalBases(writer, prm);
   else
     addPanes(writer, prm);
   if (emitters) {

@@ -15,7 +15,7 @@ void addSceneSection(format::Writer& writer, const scene::Scene& scene);
 /// `scene` as buildAtlas left it: one vertex per atlas.uv.
 void addGeometrySection(format::Writer& writer, const scene::Scene& scene, const atlas::Atlas& atlas);
 void addAtlasSection(format::Writer& writer, const atlas::Atlas& atlas);
-/// `metres_per_unit` of the scene. Bases and coefficients are quantised here.
+/// `metres_per_unit` of the scene. Every number is quantised here (quantised_bases.h).
 void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, double metres_per_unit);
 void addMetaSection(format::Writer& writer, const v1::MetaHeader& header);
 

@@ -23,7 +23,11 @@ struct lw_prm {
   Array<uint16_t> pane_half;            // [clusters][texels][3]
   Array<float> pane_sum_rgb;            // [clusters][3]: over the texels, what ranks clusters and keeps their energy
 
-  // Local bases.
+  // Local bases. The last header.groups clusters are groups.
+  Array<uint32_t> cluster_group;        // [clusters], < groups; a group's own is itself
+  Array<float> group_transport_scale;   // [to group][3]
+  Array<uint8_t> group_transport_u8;    // [to group][from group][3]; one of the two is filled
+  Array<uint16_t> group_transport_u16;
   Array<uint32_t> block_first_texel;    // [blocks + 1]
   Array<uint8_t> block_rank;            // [blocks]
   Array<int8_t> basis;                  // per block [texel][rank], value / 127

@@ -19,7 +19,8 @@ bool isIrradiance(const float* values, size_t count) {
 bool resolveOptions(const lw_prm_options* given, lw_prm_options& options) {
   options = LW_PRM_OPTIONS_INIT;
   if (!given) return true;
-  if (given->size < sizeof(lw_prm_options) || given->keep_energy > 1 || given->emitters > (LW_EMITTERS_DIRECT | LW_EMITTERS_INDIRECT))
+  if (given->size < sizeof(lw_prm_options) || given->keep_energy > 1 || given->fill > 1 ||
+      given->emitters > (LW_EMITTERS_DIRECT | LW_EMITTERS_INDIRECT))
     return false;
   options = *given;
   return true;
@@ -108,6 +109,33 @@ void evaluatePanes(const lw_prm& prm, const float* irradiance_rgb, const Weight*
   }
 }
 
+/// A row of the group transport times the groups' irradiance. Twelve sums at a time: whole vectors, whole triples.
+template <class Transport>
+void multiplyRow(const Transport* row, const float* irradiance_rgb, size_t count, float* sum_rgb) {
+  constexpr size_t kLanes = 12;
+  float lane[kLanes] = {};
+  size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes)
+    for (size_t k = 0; k < kLanes; ++k) lane[k] += float(row[i + k]) * irradiance_rgb[i + k];
+  for (size_t k = 0; i < count; ++i, ++k) lane[k] += float(row[i]) * irradiance_rgb[i];
+  for (size_t k = 0; k < 3; ++k) sum_rgb[k] = lane[k] + lane[k + 3] + lane[k + 6] + lane[k + 9];
+}
+
+/// The clusters' irradiance with what the groups reflect to each other: total_rgb is [clusters][3], group_rgb scratch of [groups][3].
+template <class Transport>
+void addGroupIndirect(const lw_prm& prm, const Transport* transport, const float* irradiance_rgb, float* group_rgb, float* total_rgb) {
+  const size_t clusters = prm.header.clusters, groups = prm.header.groups;
+  const float* group_irradiance_rgb = irradiance_rgb + (clusters - groups) * 3;
+  for (size_t to = 0; to < groups; ++to) {
+    multiplyRow(transport + to * groups * 3, group_irradiance_rgb, groups * 3, group_rgb + to * 3);
+    for (size_t k = 0; k < 3; ++k) group_rgb[to * 3 + k] *= prm.group_transport_scale[to * 3 + k];
+  }
+  for (size_t c = 0; c < clusters; ++c) {
+    const float* indirect_rgb = group_rgb + size_t(prm.cluster_group[c]) * 3;
+    for (size_t k = 0; k < 3; ++k) total_rgb[c * 3 + k] = sane(irradiance_rgb[c * 3 + k] + indirect_rgb[k]);
+  }
+}
+
 template <class Coefficient>
 void evaluateLocalBases(const lw_prm& prm, const Coefficient* coefficient, const float* irradiance_rgb, float* rgba) {
   const int8_t* basis = prm.basis.data();
@@ -164,7 +192,9 @@ void applySources(const lw_prm& prm, float* rgba) {
 using namespace lightwell::runtime;
 
 size_t lw_prm_scratch_bytes(const lw_prm* prm) {
-  return prm && !prm->pane_sum_rgb.empty() ? size_t(prm->header.clusters) * sizeof(Weight) : 0;
+  if (!prm) return 0;
+  const size_t clusters = prm->header.clusters, groups = prm->header.groups;
+  return prm->pane_sum_rgb.empty() ? (clusters + groups) * 3 * sizeof(float) : clusters * sizeof(Weight);
 }
 
 lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb, const lw_prm_options* given, void* scratch,
@@ -183,13 +213,18 @@ lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb
     float scale_rgb[3];
     const uint32_t count = selectBrightest(*prm, cluster_irradiance_rgb, options.brightest, options.keep_energy != 0, weights, scale_rgb);
     evaluatePanes(*prm, cluster_irradiance_rgb, weights, count, scale_rgb, atlas_rgba);
-  } else if (!prm->coefficient_i16.empty()) {
-    evaluateLocalBases(*prm, prm->coefficient_i16.data(), cluster_irradiance_rgb, atlas_rgba);
   } else {
-    evaluateLocalBases(*prm, prm->coefficient_i8.data(), cluster_irradiance_rgb, atlas_rgba);
+    auto* total_rgb = static_cast<float*>(scratch);
+    float* group_rgb = total_rgb + size_t(prm->header.clusters) * 3;
+    if (prm->group_transport_u8.empty())
+      addGroupIndirect(*prm, prm->group_transport_u16.data(), cluster_irradiance_rgb, group_rgb, total_rgb);
+    else
+      addGroupIndirect(*prm, prm->group_transport_u8.data(), cluster_irradiance_rgb, group_rgb, total_rgb);
+    if (prm->coefficient_i8.empty()) evaluateLocalBases(*prm, prm->coefficient_i16.data(), total_rgb, atlas_rgba);
+    else evaluateLocalBases(*prm, prm->coefficient_i8.data(), total_rgb, atlas_rgba);
   }
   if (options.emitters & LW_EMITTERS_DIRECT) addEmitters(*prm, prm->emitter_direct_rgb9e5, atlas_rgba);
   if (options.emitters & LW_EMITTERS_INDIRECT) addEmitters(*prm, prm->emitter_indirect_rgb9e5, atlas_rgba);
-  applySources(*prm, atlas_rgba);
+  if (options.fill) applySources(*prm, atlas_rgba);
   return LW_OK;
 }

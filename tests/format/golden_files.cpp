@@ -67,6 +67,7 @@ std::vector<GoldenFile> validFiles() {
   halves.pane_half = {0, 0x3c00, 0x7bff, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
   Content wide = localBasesContent();
   wide.coefficient_wide = {32767, -32768, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
+  wide.group_transport_narrow = {0, 1, 2, 3, 4, 5, 255, 7, 8, 9, 10, 11};
   Content opaque = panesContent();
   opaque.triangle_flags = {0, 1};
   opaque.prm.set_has_emitter(false);

@@ -47,8 +47,9 @@ TEST(Headers, AtlasAndPrm) {
   PrmHeader prm;
   ASSERT_TRUE(parsePrmHeader(data(prm_bytes), prm_bytes.size(), prm));
   EXPECT_EQ(prm.layout, PrmLayout::local_bases);
-  EXPECT_EQ(prm.entries, 3u);
-  EXPECT_EQ(prm.clusters, 2u);
+  EXPECT_EQ(prm.entries, 4u);
+  EXPECT_EQ(prm.clusters, 3u);
+  EXPECT_EQ(prm.groups, 2u);
   EXPECT_EQ(prm.texels, 3u);
   EXPECT_EQ(prm.blocks, 2u);
   EXPECT_EQ(prm.max_rank, 2u);

@@ -16,12 +16,14 @@ TEST_P(GlEvaluate, AgreesWithThePlainSumInEveryLayout) {
     for (const uint32_t format : {LW_GL_ATLAS_RGBA32F, LW_GL_ATLAS_RGBA16F}) {
       const GlPrm gl_prm = upload(format);
       ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
-      for (const uint32_t emitters : {0u, 1u, 2u, 3u}) {
+      for (const uint32_t variant : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u}) {
+        const uint32_t emitters = variant & 3, fill = variant >> 2;
         lw_prm_options evaluate = LW_PRM_OPTIONS_INIT;
         evaluate.emitters = emitters;
+        evaluate.fill = fill;
         ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), &evaluate), LW_OK);
         const auto atlas = readAtlas(gl_prm.get());
-        const auto expected = synthetic.evaluate(irradiance, emitters);
+        const auto expected = synthetic.evaluate(irradiance, emitters, 0, true, fill != 0);
         EXPECT_LT(relrmse(atlas, expected), format == LW_GL_ATLAS_RGBA32F ? 1e-5 : 1e-3) << int(layout);
         for (size_t i = 3; i < atlas.size(); i += 4) ASSERT_EQ(atlas[i], float(expected[i]));
       }

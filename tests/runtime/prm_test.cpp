@@ -50,6 +50,18 @@ TEST_P(PrmEvaluation, AgreesWithThePlainSum) {
   for (size_t i = 0; i < synthetic.source.size(); ++i) EXPECT_EQ(atlas[i * 4 + 3], float(expected[i * 4 + 3]));
 }
 
+/// For measuring: buried texels have their own value, gutters none.
+TEST_P(PrmEvaluation, ShowsEachTexelsOwnValueWhenNotFilled) {
+  const auto irradiance = randomIrradiance(synthetic.options.clusters, 5);
+  lw_prm_options options = LW_PRM_OPTIONS_INIT;
+  options.fill = 0;
+  const auto expected = synthetic.evaluate(irradiance, LW_EMITTERS_INDIRECT, 0, true, false);
+  const auto atlas = evaluate(irradiance, &options);
+  EXPECT_LT(relrmse(atlas, expected), 1e-6);
+  EXPECT_GT(relrmse(atlas, synthetic.evaluate(irradiance)), 0.1);
+  for (size_t i = 0; i < synthetic.source.size(); ++i) EXPECT_EQ(atlas[i * 4 + 3], float(expected[i * 4 + 3]));
+}
+
 TEST_P(PrmEvaluation, AddsEmittersAsAsked) {
   const std::vector<float> dark(size_t(synthetic.options.clusters) * 3, 0.0f);
   for (const uint32_t emitters : {0u, 1u, 2u, 3u}) {
@@ -72,6 +84,9 @@ TEST_P(PrmEvaluation, RejectsBadNumbers) {
   irradiance[7] = 1;
   lw_prm_options options = LW_PRM_OPTIONS_INIT;
   options.emitters = 4;
+  EXPECT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), &options, scratch.data(), scratch.size() * 4, atlas.data()), LW_INVALID_ARGUMENT);
+  options.emitters = 0;
+  options.fill = 2;
   EXPECT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), &options, scratch.data(), scratch.size() * 4, atlas.data()), LW_INVALID_ARGUMENT);
   if (lw_prm_scratch_bytes(prm.get())) {
     EXPECT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), nullptr, scratch.data(), 4, atlas.data()), LW_INVALID_ARGUMENT);

@@ -237,6 +237,7 @@ typedef struct lw_prm_info {
   uint32_t texels;         /* with a value */
   uint32_t blocks;         /* local bases, else 0 */
   uint32_t max_rank;       /* local bases, else 0 */
+  uint32_t groups;         /* local bases: the last so many clusters, between which light is reflected further; else 0 */
   uint32_t brightest;      /* panes: the number of clusters that the bake recommends; 0: all */
   uint32_t has_emitter;    /* 1: emitting surfaces add a constant irradiance */
   uint32_t width, height;  /* of the atlas */
@@ -282,7 +283,7 @@ typedef void (*lw_visibility_fn)(void *user, const lw_shadow_ray *rays, uint32_t
 LW_API lw_result lw_prm_entry_irradiance(const lw_prm *prm, const lw_light *lights, uint32_t light_count, lw_visibility_fn visibility,
                                          void *user, float *entry_irradiance_rgb);
 
-/* Weighted means over the clusters.
+/* Weighted means over the clusters: the lights' own irradiance, before any reflection.
  *
  * entry_irradiance_rgb: [entries][3]. cluster_irradiance_rgb: [clusters][3]. */
 LW_API lw_result lw_prm_cluster_irradiance(const lw_prm *prm, const float *entry_irradiance_rgb, float *cluster_irradiance_rgb);
@@ -295,21 +296,24 @@ typedef struct lw_prm_options {
   uint32_t brightest;        /* panes: use only the K clusters that contribute most light; 0: all. Local bases always use all */
   uint32_t keep_energy;      /* 1: scale what the K give, per channel, so that the atlas's total is that of all; 0: drop the rest */
   uint32_t emitters;         /* LW_EMITTERS_… bits; nothing happens when the container has no emitter maps */
+  uint32_t fill;             /* 1: for display, gutters and buried texels show the value of their source (LW_ARRAY_ATLAS_SOURCE); 0: for
+                                measuring, each texel with a value has its own mean over the surface in it, others are zero */
 } lw_prm_options;
-#define LW_PRM_OPTIONS_INIT {sizeof(lw_prm_options), 0, 1, LW_EMITTERS_INDIRECT}
+#define LW_PRM_OPTIONS_INIT {sizeof(lw_prm_options), 0, 1, LW_EMITTERS_INDIRECT, 1}
 
 /* Bytes of scratch memory that lw_prm_evaluate needs; 0 for a NULL prm. */
 LW_API size_t lw_prm_scratch_bytes(const lw_prm *prm);
 
-/* Indirect irradiance of every texel: sums the transport of the clusters. Values are finite and ≥ 0.
+/* Indirect irradiance of every texel: sums the transport of the clusters. Values are finite and ≥ 0. For local bases, light that is
+ * reflected more than once travels between the groups first; that is part of this call.
  *
  * A cluster contributes luminance(irradiance * sum of its pane over the texels); equal ones are ranked by index.
  *
  * cluster_irradiance_rgb: [clusters][3], finite and ≥ 0, else LW_INVALID_ARGUMENT.
  * options: NULL for LW_PRM_OPTIONS_INIT.
  * scratch: lw_prm_scratch_bytes bytes, 4-byte aligned, one per call at a time.
- * atlas_rgba: [height][width][4]; irradiance, and alpha 1 where a texel has a value. Gutters show their source's value, so that bilinear
- *   lookup is safe everywhere on the surface; other texels are zero. */
+ * atlas_rgba: [height][width][4]; irradiance, and alpha 1 where a texel has a value. With fill, gutters show their source's value, so that
+ *   bilinear lookup is safe everywhere on the surface; other texels are zero. */
 LW_API lw_result lw_prm_evaluate(const lw_prm *prm, const float *cluster_irradiance_rgb, const lw_prm_options *options, void *scratch,
                                  size_t scratch_bytes, float *atlas_rgba);
 

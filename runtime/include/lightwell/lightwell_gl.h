@@ -146,8 +146,8 @@ LW_API lw_result lw_gl_upload_cluster_irradiance(lw_gl_prm *gl_prm, const float 
  * options: as lw_prm_evaluate's; NULL for LW_PRM_OPTIONS_INIT. */
 LW_API lw_result lw_gl_evaluate(lw_gl_prm *gl_prm, const lw_prm_options *options);
 
-/* Local bases: only the coefficients of the blocks, for a game that reconstructs in its own shader (LW_GLSL_LOCAL_BASES) and needs no
- * atlas texture.
+/* Local bases: only the coefficients of the blocks (with the light between groups, as lw_gl_evaluate), for a game that reconstructs in
+ * its own shader (LW_GLSL_LOCAL_BASES, filled as for display) and needs no atlas texture.
  * LW_INVALID_ARGUMENT for panes. Emitters are not part of it. */
 LW_API lw_result lw_gl_update_coefficients(lw_gl_prm *gl_prm);
 

@@ -23,7 +23,8 @@ inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505, kTriangles = 0x0004, 
                       kUnpackLsbFirst = 0x0CF1, kUnpackRowLength = 0x0CF2, kUnpackSkipRows = 0x0CF3, kUnpackSkipPixels = 0x0CF4,
                       kUnpackAlignment = 0x0CF5, kPackSwapBytes = 0x0D00, kPackLsbFirst = 0x0D01, kPackRowLength = 0x0D02,
                       kPackSkipRows = 0x0D03, kPackSkipPixels = 0x0D04, kPackAlignment = 0x0D05, kPolygonMode = 0x0B40,
-                      kMaxTextureSize = 0x0D33, kTexture2d = 0x0DE1, kByte = 0x1400, kShort = 0x1402, kUnsignedInt = 0x1405,
+                      kMaxTextureSize = 0x0D33, kTexture2d = 0x0DE1, kByte = 0x1400, kUnsignedByte = 0x1401, kShort = 0x1402,
+                      kUnsignedShort = 0x1403, kUnsignedInt = 0x1405,
                       kFloat = 0x1406, kHalfFloat = 0x140B, kRed = 0x1903, kRgb = 0x1907, kRgba = 0x1908, kFill = 0x1B02, kVersion = 0x1F02,
                       kExtensions = 0x1F03, kNearest = 0x2600, kLinear = 0x2601, kTextureMagFilter = 0x2800, kTextureMinFilter = 0x2801,
                       kTextureWrapS = 0x2802, kTextureWrapT = 0x2803, kClipDistance0 = 0x3000, kUnpackSkipImages = 0x806D,
@@ -39,7 +40,7 @@ inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505, kTriangles = 0x0004, 
                       kTextureBinding2dArray = 0x8C1D, kRgb9e5 = 0x8C3D, kUnsignedInt5999Rev = 0x8C3E, kRasterizerDiscard = 0x8C89,
                       kReadFramebuffer = 0x8CA8, kDrawFramebuffer = 0x8CA9, kDrawFramebufferBinding = 0x8CA6,
                       kReadFramebufferBinding = 0x8CAA, kFramebufferComplete = 0x8CD5, kColorAttachment0 = 0x8CE0, kRgba32ui = 0x8D70,
-                      kRgb16i = 0x8D89, kRgb8i = 0x8D8F, kRedInteger = 0x8D94, kRgbInteger = 0x8D98, kRgbaInteger = 0x8D99,
+                      kRgb16ui = 0x8D77, kRgb8ui = 0x8D7D, kRgb16i = 0x8D89, kRgb8i = 0x8D8F, kRedInteger = 0x8D94, kRgbInteger = 0x8D98, kRgbaInteger = 0x8D99,
                       kRgba8Snorm = 0x8F97, kColor = 0x1800, kFrontAndBack = 0x0408;
 
 // X(return type, name without "gl", parameters)

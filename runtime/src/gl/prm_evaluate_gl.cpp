@@ -24,9 +24,11 @@ void selectBrightest(const lw_gl_prm& prm, uint32_t brightest, bool keep_energy)
   drawInto(prm, prm.selected);
 }
 
-void bindEmitters(const lw_gl_prm& prm) {
+/// The inputs of kOwnValue, except for its uniforms.
+void bindOwnValues(const lw_gl_prm& prm) {
   bindUnit(prm.context->api, 3, kTexture2d, prm.emitter_direct);
   bindUnit(prm.context->api, 4, kTexture2d, prm.emitter_indirect);
+  bindUnit(prm.context->api, 5, kTexture2dArray, prm.buried);
 }
 
 void evaluatePanes(const lw_gl_prm& prm, const lw_prm_options& options, uint32_t emitters) {
@@ -41,14 +43,36 @@ void evaluatePanes(const lw_gl_prm& prm, const lw_prm_options& options, uint32_t
   api.Uniform1i(program.uniform[panes_uniform::texels], int32_t(prm.texels));
   api.Uniform1i(program.uniform[panes_uniform::emitters], int32_t(emitters));
   api.Uniform1f(program.uniform[panes_uniform::max], prm.max_value);
+  api.Uniform1i(program.uniform[panes_uniform::fill], int32_t(options.fill));
+  api.Uniform1i(program.uniform[panes_uniform::buried_count], int32_t(prm.buried_count));
   bindUnit(api, 0, kTexture2d, prm.texel_map);
   bindUnit(api, 1, kTexture2d, selected ? prm.selected.texture : prm.cluster.texture);
   bindUnit(api, 2, kTexture2dArray, prm.pane);
-  bindEmitters(prm);
+  bindOwnValues(prm);
   drawInto(prm, prm.atlas);
 }
 
+/// Irradiance of the clusters with what the groups reflect to each other, into prm.total.
+void addGroupIndirect(const lw_gl_prm& prm) {
+  const lw_gl& context = *prm.context;
+  const Api& api = context.api;
+  api.UseProgram(context.groups.name);
+  api.Uniform1i(context.groups.uniform[groups_uniform::groups], int32_t(prm.groups));
+  api.Uniform1i(context.groups.uniform[groups_uniform::first_group], int32_t(prm.clusters - prm.groups));
+  bindUnit(api, 0, kTexture2dArray, prm.group_transport);
+  bindUnit(api, 1, kTexture2dArray, prm.group_scale);
+  bindUnit(api, 2, kTexture2d, prm.cluster.texture);
+  drawInto(prm, prm.group_indirect);
+  api.UseProgram(context.totals.name);
+  api.Uniform1i(context.totals.uniform[totals_uniform::clusters], int32_t(prm.clusters));
+  bindUnit(api, 0, kTexture2dArray, prm.cluster_group);
+  bindUnit(api, 1, kTexture2d, prm.cluster.texture);
+  bindUnit(api, 2, kTexture2d, prm.group_indirect.texture);
+  drawInto(prm, prm.total);
+}
+
 void updateCoefficients(const lw_gl_prm& prm) {
+  addGroupIndirect(prm);
   const lw_gl& context = *prm.context;
   const Api& api = context.api;
   api.UseProgram(context.coefficients.name);
@@ -57,12 +81,12 @@ void updateCoefficients(const lw_gl_prm& prm) {
   bindUnit(api, 0, kTexture2dArray, prm.block);
   bindUnit(api, 1, kTexture2dArray, prm.link);
   bindUnit(api, 2, kTexture2dArray, prm.coefficient);
-  bindUnit(api, 3, kTexture2d, prm.cluster.texture);
+  bindUnit(api, 3, kTexture2d, prm.total.texture);
   bindUnit(api, 4, kTexture2dArray, prm.scale);
   drawInto(prm, prm.amount);
 }
 
-void reconstruct(const lw_gl_prm& prm, uint32_t emitters) {
+void reconstruct(const lw_gl_prm& prm, uint32_t emitters, uint32_t fill) {
   const lw_gl& context = *prm.context;
   const Api& api = context.api;
   const Program& program = context.reconstruct;
@@ -70,10 +94,12 @@ void reconstruct(const lw_gl_prm& prm, uint32_t emitters) {
   api.Uniform1i(program.uniform[reconstruct_uniform::quads], int32_t(prm.quads));
   api.Uniform1i(program.uniform[reconstruct_uniform::emitters], int32_t(emitters));
   api.Uniform1f(program.uniform[reconstruct_uniform::max], prm.max_value);
+  api.Uniform1i(program.uniform[reconstruct_uniform::fill], int32_t(fill));
+  api.Uniform1i(program.uniform[reconstruct_uniform::buried_count], int32_t(prm.buried_count));
   bindUnit(api, 0, kTexture2d, prm.texel_map);
   bindUnit(api, 1, kTexture2dArray, prm.basis);
   bindUnit(api, 2, kTexture2dArray, prm.amount.texture);
-  bindEmitters(prm);
+  bindOwnValues(prm);
   drawInto(prm, prm.atlas);
 }
 
@@ -113,7 +139,7 @@ lw_result lw_gl_evaluate(lw_gl_prm* prm, const lw_prm_options* given) {
     evaluatePanes(*prm, options, emitters);
   } else {
     updateCoefficients(*prm);
-    reconstruct(*prm, emitters);
+    reconstruct(*prm, emitters, options.fill);
   }
   return LW_OK;
 }

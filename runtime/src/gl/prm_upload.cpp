@@ -22,6 +22,7 @@ class Uploader {
     out_.clusters = h.clusters;
     out_.texels = h.texels;
     out_.blocks = out_.panes ? 0 : h.blocks;
+    out_.groups = out_.panes ? 0 : h.groups;
     out_.quads = out_.panes ? 0 : (h.max_rank + 3) / 4;
     out_.width = prm_.width;
     out_.height = prm_.height;
@@ -34,7 +35,7 @@ class Uploader {
     api_.clearErrors();
     uploadEntries();
     if (out_.panes) uploadPanes();
-    else uploadLocalBases();
+    else uploadGroups(), uploadLocalBases();
     uploadTexels();
     makeTargets();
     if (!result_)
@@ -93,6 +94,20 @@ class Uploader {
     else list(out_.pane, kTexelRgb16f, count, prm_.pane_half.data());
   }
 
+  void uploadGroups() {
+    Array<float> scale;
+    if (!allocate(scale, uint64_t(out_.groups) * 4)) return;
+    for (size_t g = 0; g < out_.groups; ++g) {
+      std::memcpy(&scale[g * 4], &prm_.group_transport_scale[g * 3], 3 * sizeof(float));
+      scale[g * 4 + 3] = 0.0f;
+    }
+    list(out_.group_scale, kTexelRgba32f, out_.groups, scale.data());
+    list(out_.cluster_group, kTexelR32ui, out_.clusters, prm_.cluster_group.data());
+    const uint64_t pairs = uint64_t(out_.groups) * out_.groups;
+    if (prm_.group_transport_u8.empty()) list(out_.group_transport, kTexelRgb16ui, pairs, prm_.group_transport_u16.data());
+    else list(out_.group_transport, kTexelRgb8ui, pairs, prm_.group_transport_u8.data());
+  }
+
   void uploadLocalBases() {
     Array<uint32_t> block;
     Array<float> scale;
@@ -133,7 +148,7 @@ class Uploader {
     if (!result_) name = createPicture(api_, format, int32_t(out_.width), int32_t(out_.height), kNearest, data, out_.texture_bytes);
   }
 
-  /// Spreads a value per texel of the transport over the atlas, gutters included.
+  /// Spreads the shown texels' values over the atlas, gutters included.
   template <class Write>
   void spread(Array<uint32_t>& value_of_texel, Write write) {
     const size_t atlas_texels = prm_.source.size();
@@ -166,9 +181,29 @@ class Uploader {
     }
     spread(value_of_texel, [&](size_t i, uint32_t value) {
       map[i * 2] = value == kNone ? kNone : address[size_t(value) * 2];
-      map[i * 2 + 1] = value == kNone ? 0 : address[size_t(value) * 2 + 1];
+      map[i * 2 + 1] = (value == kNone ? 0 : address[size_t(value) * 2 + 1]) | (prm_.source[i] == i ? 0 : 0x80000000u);
     });
     picture(out_.texel_map, kTexelRg32ui, map.data());
+    uploadBuried(value_of_texel, address);
+  }
+
+  /// The values of texels that show another's; see kOwnValue.
+  void uploadBuried(const Array<uint32_t>& value_of_texel, const Array<uint32_t>& address) {
+    const auto isBuried = [&](size_t i) { return value_of_texel[i] != kNone && prm_.source[i] != i; };
+    for (size_t i = 0; i < value_of_texel.size(); ++i) out_.buried_count += isBuried(i);
+    Array<uint32_t> buried;
+    if (!allocate(buried, uint64_t(out_.buried_count) * 8)) return;
+    uint32_t* to = buried.data();
+    for (size_t i = 0; i < value_of_texel.size(); ++i) {
+      if (!isBuried(i)) continue;
+      const size_t value = value_of_texel[i];
+      const bool emitters = prm_.header.has_emitter;
+      const uint32_t elements[8] = {uint32_t(i), address[value * 2], address[value * 2 + 1], 0,
+                                    emitters ? prm_.emitter_direct_rgb9e5[value] : 0, emitters ? prm_.emitter_indirect_rgb9e5[value] : 0};
+      std::memcpy(to, elements, sizeof elements);
+      to += 8;
+    }
+    list(out_.buried, kTexelRgba32ui, uint64_t(out_.buried_count) * 2, buried.data());
   }
 
   void makeTargets() {
@@ -177,8 +212,12 @@ class Uploader {
     if (out_.panes) {
       target(kTexelR32ui, out_.clusters, out_.rank);
       target(kTexelRgba32f, uint64_t(out_.clusters) + 1, out_.selected);
-    } else if (!result_) {
-      result_ = createLayeredTarget(api_, out_.host, kTexelRgba32f, uint64_t(out_.blocks) * out_.quads, out_.amount, out_.texture_bytes);
+    } else {
+      target(kTexelRgba32f, out_.groups, out_.group_indirect);
+      target(kTexelRgba32f, out_.clusters, out_.total);
+      if (!result_)
+        result_ =
+            createLayeredTarget(api_, out_.host, kTexelRgba32f, uint64_t(out_.blocks) * out_.quads, out_.amount, out_.texture_bytes);
     }
     if (result_) return;
     const bool full = options_.atlas_format == LW_GL_ATLAS_RGBA32F;
@@ -234,11 +273,12 @@ void lw_gl_prm_destroy(lw_gl_prm* prm) {
   if (!prm) return;
   const gl::Api& api = prm->context->api;
   if (!prm->owns_atlas) prm->atlas.texture = 0;
-  for (gl::Target* target : {&prm->entry[0], &prm->entry[1], &prm->cluster, &prm->rank, &prm->selected, &prm->amount, &prm->atlas})
+  for (gl::Target* target : {&prm->entry[0], &prm->entry[1], &prm->cluster, &prm->rank, &prm->selected, &prm->group_indirect,
+                             &prm->total, &prm->amount, &prm->atlas})
     gl::destroyTarget(api, *target);
   for (const gl::Name name :
        {prm->entry_position, prm->entry_normal, prm->cluster_range, prm->pane_sum, prm->texel_map, prm->emitter_direct,
-        prm->emitter_indirect, prm->pane, prm->block, prm->link, prm->coefficient, prm->scale, prm->basis})
+        prm->emitter_indirect, prm->pane, prm->buried, prm->cluster_group, prm->group_transport, prm->group_scale, prm->block, prm->link, prm->coefficient, prm->scale, prm->basis})
     if (name) api.DeleteTextures(1, &name);
   destroyHandle(prm);
 }

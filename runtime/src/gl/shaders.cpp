@@ -66,7 +66,7 @@ vec3 lwDiffuseRadiance(vec3 albedo, vec3 irradiance) { return albedo * irradianc
 )";
 
 // The amounts of rank r = 4 q + j of a block lie in layer j at index block * quads + q; the first one's alpha is the block's rank. The map
-// holds, per atlas texel, the address of its basis (four ranks in each RGBA) and its block.
+// holds, per atlas texel, the address of its basis (four ranks in each RGBA) and its block, the highest bit set where it shows another's.
 const char kLocalBases[] = R"(
 #ifdef GL_ES
 precision highp float;
@@ -78,10 +78,9 @@ uniform usampler2D lw_texel_map;
 uniform sampler2DArray lw_basis;
 uniform sampler2DArray lw_amount;
 uniform int lw_quads;
-vec4 lwLocalBasesTexel(ivec2 texel) {
-  uvec2 entry = texelFetch(lw_texel_map, texel, 0).rg;
+vec4 lwLocalBasesEntry(uvec2 entry) {
   if (entry.r == 0xffffffffu) return vec4(0.0);
-  int address = int(entry.r), pixel = int(entry.g) * lw_quads;
+  int address = int(entry.r), pixel = int(entry.g & 0x7fffffffu) * lw_quads;
   vec3 sum = vec3(0.0);
   int rank = 4;
   for (int q = 0; q * 4 < rank; ++q) {
@@ -98,6 +97,7 @@ vec4 lwLocalBasesTexel(ivec2 texel) {
   }
   return vec4(max(sum, vec3(0.0)), 1.0);
 }
+vec4 lwLocalBasesTexel(ivec2 texel) { return lwLocalBasesEntry(texelFetch(lw_texel_map, texel, 0).rg); }
 vec3 lwLocalBasesIrradiance(vec2 lightmap_uv) {
   ivec2 size = textureSize(lw_texel_map, 0), last = size - ivec2(1);
   vec2 position = lightmap_uv * vec2(size) - vec2(0.5);
@@ -232,17 +232,58 @@ void main() {
 }
 )";
 
+// The values of buried texels, which show another's, are in a list of their own, in the order of the atlas: it costs no memory where
+// nothing is buried, and no time unless they are asked for. Two elements for each: texel, map entry; RGB9E5 of the emitters.
+const char kOwnValue[] = R"(
+uniform sampler2D u_emitter_direct, u_emitter_indirect;
+uniform usampler2DArray u_buried;
+uniform int u_emitters, u_fill, u_buried_count;
+// What the texel is to show, given its entry in the map. `place`: in the list of buried texels, or -1.
+uvec2 lwEntry(usampler2D map, ivec2 texel, out int place) {
+  uvec2 shown = texelFetch(map, texel, 0).rg;
+  place = -1;
+  if (u_fill != 0 || (shown.g & 0x80000000u) == 0u) return shown;
+  uint wanted = uint(texel.y * textureSize(map, 0).x + texel.x);
+  int low = 0, high = u_buried_count;
+  while (low < high) {
+    int middle = (low + high) / 2;
+    if (texelFetch(u_buried, lwAddress(middle * 2), 0).r < wanted) low = middle + 1;
+    else high = middle;
+  }
+  if (low == u_buried_count) return uvec2(0xffffffffu, 0u);
+  uvec4 own = texelFetch(u_buried, lwAddress(low * 2), 0);
+  if (own.r != wanted) return uvec2(0xffffffffu, 0u);
+  place = low;
+  return own.gb;
+}
+vec3 lwUnpackRgb9e5(uint bits) {
+  return vec3((uvec3(bits) >> uvec3(0u, 9u, 18u)) & uvec3(511u)) * uintBitsToFloat(((bits >> 27u) + 103u) << 23u);  // 2^(exponent - 24)
+}
+vec3 lwEmitted(ivec2 texel, int place) {
+  vec3 sum = vec3(0.0);
+  if (place < 0) {
+    if ((u_emitters & 1) != 0) sum += texelFetch(u_emitter_direct, texel, 0).rgb;
+    if ((u_emitters & 2) != 0) sum += texelFetch(u_emitter_indirect, texel, 0).rgb;
+  } else if (u_emitters != 0) {
+    uvec2 bits = texelFetch(u_buried, lwAddress(place * 2 + 1), 0).rg;
+    if ((u_emitters & 1) != 0) sum += lwUnpackRgb9e5(bits.r);
+    if ((u_emitters & 2) != 0) sum += lwUnpackRgb9e5(bits.g);
+  }
+  return sum;
+}
+)";
+
 const char kPanes[] = R"(
 uniform usampler2D u_texel_map;       // index of the value that an atlas texel shows
 uniform sampler2D u_weight;           // all clusters, or the selected ones
 uniform sampler2DArray u_pane;
-uniform sampler2D u_emitter_direct, u_emitter_indirect;
-uniform int u_weights, u_selected, u_texels, u_emitters;
+uniform int u_weights, u_selected, u_texels;
 uniform float u_max;
 out vec4 o_irradiance;
 void main() {
   ivec2 texel = ivec2(gl_FragCoord.xy);
-  uint value = texelFetch(u_texel_map, texel, 0).r;
+  int place;
+  uint value = lwEntry(u_texel_map, texel, place).r;
   o_irradiance = vec4(0.0);
   if (value == 0xffffffffu) return;
   vec3 sum = vec3(0.0);
@@ -253,10 +294,41 @@ void main() {
     sum += weight.rgb * texelFetch(u_pane, lwAddress(cluster * u_texels + int(value)), 0).rgb;
   }
   if (u_selected != 0) sum *= texelFetch(u_weight, lwPixel(u_weights), 0).rgb;
-  sum = max(sum, vec3(0.0));
-  if ((u_emitters & 1) != 0) sum += texelFetch(u_emitter_direct, texel, 0).rgb;
-  if ((u_emitters & 2) != 0) sum += texelFetch(u_emitter_indirect, texel, 0).rgb;
+  sum = max(sum, vec3(0.0)) + lwEmitted(texel, place);
   o_irradiance = vec4(min(sum, vec3(u_max)), 1.0);
+}
+)";
+
+// What each group receives from all groups after at least one reflection.
+const char kGroups[] = R"(
+uniform usampler2DArray u_transport;    // [to][from]
+uniform sampler2DArray u_scale;         // [to]
+uniform sampler2D u_cluster;            // the last u_groups are the groups
+uniform int u_groups, u_first_group;
+out vec4 o_indirect;
+void main() {
+  int to = lwIndex();
+  if (to >= u_groups) discard;
+  vec3 sum = vec3(0.0);
+  for (int from = 0; from < u_groups; ++from) {
+    vec3 irradiance = texelFetch(u_cluster, lwPixel(u_first_group + from), 0).rgb;
+    if (irradiance.r + irradiance.g + irradiance.b == 0.0) continue;
+    sum += irradiance * vec3(texelFetch(u_transport, lwAddress(to * u_groups + from), 0).rgb);
+  }
+  o_indirect = vec4(sum * texelFetch(u_scale, lwAddress(to), 0).rgb, 1.0);
+}
+)";
+
+const char kTotals[] = R"(
+uniform usampler2DArray u_group;        // of each cluster
+uniform sampler2D u_cluster, u_indirect;
+uniform int u_clusters;
+out vec4 o_total;
+void main() {
+  int c = lwIndex();
+  if (c >= u_clusters) discard;
+  int group = int(texelFetch(u_group, lwAddress(c), 0).r);
+  o_total = vec4(min(texelFetch(u_cluster, lwPixel(c), 0).rgb + texelFetch(u_indirect, lwPixel(group), 0).rgb, vec3(3.0e38)), 1.0);
 }
 )";
 
@@ -265,7 +337,7 @@ const char kCoefficients[] = R"(
 uniform usampler2DArray u_block;        // first link, links, address of the first coefficient, rank
 uniform usampler2DArray u_link;
 uniform isampler2DArray u_coefficient;
-uniform sampler2D u_cluster;
+uniform sampler2D u_cluster;            // what the clusters receive in total
 uniform sampler2DArray u_scale;         // [block][quad][4]
 uniform int u_blocks, u_quads;
 layout(location = 0) out vec4 o_amount0;
@@ -299,18 +371,13 @@ void main() {
 )";
 
 const char kReconstruct[] = R"(
-uniform sampler2D u_emitter_direct, u_emitter_indirect;
-uniform int u_emitters;
 uniform float u_max;
 out vec4 o_irradiance;
 void main() {
   ivec2 texel = ivec2(gl_FragCoord.xy);
-  vec4 value = lwLocalBasesTexel(texel);
-  if (value.a > 0.0) {
-    if ((u_emitters & 1) != 0) value.rgb += texelFetch(u_emitter_direct, texel, 0).rgb;
-    if ((u_emitters & 2) != 0) value.rgb += texelFetch(u_emitter_indirect, texel, 0).rgb;
-    value.rgb = min(value.rgb, vec3(u_max));
-  }
+  int place;
+  vec4 value = lwLocalBasesEntry(lwEntry(lw_texel_map, texel, place));
+  if (value.a > 0.0) value.rgb = min(value.rgb + lwEmitted(texel, place), vec3(u_max));
   o_irradiance = value;
 }
 )";

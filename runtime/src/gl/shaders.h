@@ -10,6 +10,7 @@ extern const char kVersionDesktop[], kVersionEmbedded[];
 extern const char kAddress[];     // lwAddress, lwPixel, lwIndex
 extern const char kVertex[];      // one triangle over everything
 extern const char kLight[], kAtlas[], kLocalBases[];  // public snippets
-extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kCoefficients[], kReconstruct[];  // fragment shaders
+extern const char kOwnValue[];    // lwEntry, lwEmitted: what a texel shows, and what buried texels have themselves
+extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kGroups[], kTotals[], kCoefficients[], kReconstruct[];  // fragment shaders
 
 }  // namespace lightwell::runtime::gl::glsl

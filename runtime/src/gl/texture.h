@@ -14,6 +14,7 @@ inline constexpr TexelFormat kTexelRgba32f{kRgba32f, kRgba, kFloat, 16}, kTexelR
     kTexelRg32ui{kRg32ui, kRgInteger, kUnsignedInt, 8}, kTexelRgba32ui{kRgba32ui, kRgbaInteger, kUnsignedInt, 16},
     kTexelRgb9e5{kRgb9e5, kRgb, kUnsignedInt5999Rev, 4}, kTexelRgb16f{kRgb16f, kRgb, kHalfFloat, 6},
     kTexelRgb8i{kRgb8i, kRgbInteger, kByte, 3}, kTexelRgb16i{kRgb16i, kRgbInteger, kShort, 6},
+    kTexelRgb8ui{kRgb8ui, kRgbInteger, kUnsignedByte, 3}, kTexelRgb16ui{kRgb16ui, kRgbInteger, kUnsignedShort, 6},
     kTexelRgba8Snorm{kRgba8Snorm, kRgba, kByte, 4};
 
 /// A list of elements in the layers of a GL_TEXTURE_2D_ARRAY: element i is at x = i % 2048, y = i / 2048 % 2048, layer i / 2048²

@@ -1,0 +1,25 @@
+// Local bases in the element types of the container: as small as the light maps that come out allow.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "precompute/transport/prm/prm.h"
+
+namespace lightwell::bake {
+
+/// Integers and the scale of each row or column; of the integers one is filled. Layouts: docs/format.md, section prm.
+struct QuantisedBases {
+  std::vector<float> group_transport_scale, coefficient_scale;
+  std::vector<uint8_t> group_transport_u8;
+  std::vector<uint16_t> group_transport_u16;
+  std::vector<int8_t> coefficient_i8;
+  std::vector<int16_t> coefficient_i16;
+};
+
+/// Eight bits where that changes light maps little, else sixteen: measured by evaluating the map under a few unshadowed point lights above its entry
+/// points, as the rms of the change over the rms of the light. Group transport may change by kMostTransportChange, coefficients by
+/// kMostCoefficientChange.
+QuantisedBases quantiseBases(const transport::PrmResult& prm);
+inline constexpr double kMostTransportChange = 0.001, kMostCoefficientChange = 0.003;
+
+}  // namespace lightwell::bake
