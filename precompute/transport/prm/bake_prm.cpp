@@ -10,8 +10,8 @@
 namespace lightwell::transport {
 namespace {
 
-// Normals within one block of texels span at most this chord along each axis; blocks may bend further than entry clusters.
-constexpr float kBlockNormalExtent = 1.0f;
+// Normals within one block of texels span at most this chord along each axis, as in entry clusters: what faces elsewhere sees another light.
+constexpr float kBlockNormalExtent = 0.5f;
 constexpr uint64_t kTrainingSeed = 0x7ea1717e5ull;  // apart from the seeds that errors are measured with
 
 void writeMatrix(ByteWriter& writer, const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& matrix) {

@@ -23,7 +23,7 @@ struct PrmSettings {
   EntryOptions entries;
   LocalBasesOptions bases;
   uint32_t group_rays = 1024;       // per group, one-bounce matrix
-  uint32_t training_lights = 256;   // local bases only
+  uint32_t training_lights = 192;   // local bases only
   uint32_t emitter_samples = 64;    // per texel
   uint32_t walks_per_entry = 1;     // panes by walks
   uint64_t seed = 1;

@@ -132,15 +132,6 @@ EntryClusters makeEntries(const atlas::Atlas& atlas, const Sides& sides, const E
   result.cluster_count = uint32_t(result.group_of_cluster.size());
   result.group_count = groups.count();
 
-  // What is still seen of a buried texel is lit like the valid texel beside it.
-  for (uint32_t side = 0; side < sides.slot.size(); ++side) {
-    if (result.cluster_of_side[side] != kNone) continue;
-    const uint32_t source = atlas.source[atlas.slots[sides.slot[side]].texel];
-    if (source == kNone || atlas.texel_slot[source] == kNone) continue;
-    const uint32_t met = sides.met(atlas.texel_slot[source], !sides.isBack(side));
-    if (met != kNone) result.cluster_of_side[side] = result.cluster_of_side[met];
-  }
-
   const auto membersOf = [&](uint32_t first_cluster, uint32_t end_cluster) {
     const uint32_t begin = result.cluster_first_side[first_cluster], end = result.cluster_first_side[end_cluster];
     return std::span<const uint32_t>(result.cluster_side).subspan(begin, end - begin);

@@ -17,7 +17,7 @@ struct EntryOptions {
 /// In PrmEntries the fine clusters come first, then the groups (as clusters of their own, number cluster_count + group).
 struct EntryClusters {
   uint32_t cluster_count = 0, group_count = 0;
-  std::vector<uint32_t> cluster_of_side;  // a buried texel's is that of the valid texel it shows; kNone where there is none
+  std::vector<uint32_t> cluster_of_side;  // kNone for mostly buried texels: what little of them is seen counts as dark
   std::vector<uint32_t> group_of_cluster;
   std::vector<float> area;                // cluster_count + group_count, internal units²
   std::vector<uint32_t> cluster_first_side, cluster_side;  // the sides of each fine cluster

@@ -15,7 +15,7 @@ using Eigen::VectorXf;
 
 // Basis values are stored in eight bits with a sign.
 constexpr float kBasisSteps = 127.0f;
-// A texel's weight in the fit is one over its brightness plus this share of the block's: dark texels are seen, black ones do not rule.
+// The share of a light's mean that bounds the weight of dark texels, as in the definition of texrel (docs/cli.md).
 constexpr float kDarkFloor = 0.1f;
 // Beside the training lights, the basis is made for light on each single cluster: as strong as it typically is (at least this share of the
 // mean), with this weight against the training lights.
@@ -112,7 +112,7 @@ BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, c
       }
   }
 
-  // The block's indirect light under every training light, each weighted so that the error relative to what is there counts (design.md's texrel).
+  // The block's indirect light under every training light.
   MatrixXf direct(links, lights);
   for (Eigen::Index l = 0; l < links; ++l) direct.row(l) = training.direct.row(transport.cluster[l]);
   MatrixXf group_direct(groups, lights);
@@ -121,18 +121,20 @@ BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, c
   for (int channel = 0; channel < 3; ++channel)
     samples.middleCols(channel * lights, lights) = transport.from_cluster[channel] * direct +
                                                    transport.from_group[channel] * groupRows(transport.group, training.group_indirect[channel]);
+  // texrel weighs every texel under every light by one over (its light + a tenth of the light's mean). A least-squares fit takes weights that are a
+  // product of one factor per light and one per texel: those of the block's mean and of the mean light.
   VectorXf light_weight(lights);
   for (Eigen::Index m = 0; m < lights; ++m) {
     const float global_mean = training.weight[m] > 0 ? 1.0f / training.weight[m] : 0.0f;
-    const float block_mean = samples.col(lights + m).mean();
-    light_weight[m] = global_mean > 0 ? 1.0f / (0.1f * global_mean + block_mean) : 0.0f;
+    light_weight[m] = global_mean > 0 ? 1.0f / (kDarkFloor * global_mean + samples.col(lights + m).mean()) : 0.0f;
   }
   for (int channel = 0; channel < 3; ++channel)
     samples.middleCols(channel * lights, lights) = samples.middleCols(channel * lights, lights) * light_weight.asDiagonal();
 
-  // Dark texels count as much as bright ones; and beside the training lights, light on any single cluster must find some answer in the basis.
   VectorXf texel_weight = samples.rowwise().mean();
   texel_weight = (texel_weight.array() + kDarkFloor * texel_weight.mean() + std::numeric_limits<float>::min()).inverse();
+
+  // Beside the training lights, light on any single cluster must find some answer in the basis.
   const VectorXf typical_direct = (direct * light_weight.asDiagonal()).rowwise().norm() / std::sqrt(float(std::max<Eigen::Index>(1, lights)));
   const float typical_floor = kUnseenFloor * (links > 0 ? typical_direct.mean() : 0.0f);
   MatrixXf extended(texels, 3 * lights + 3 * links);
@@ -140,13 +142,13 @@ BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, c
   for (int channel = 0; channel < 3; ++channel)
     extended.middleCols(3 * lights + channel * links, links) =
         transport.from_cluster[channel] * ((typical_direct.array() + typical_floor) * (kUnseenWeight * std::sqrt(float(lights)))).matrix().asDiagonal();
-  const MatrixXf basis = principalBasis(extended, texel_weight, options);
-  const Eigen::Index rank = basis.cols();
-  result.rank = uint32_t(rank);
-  if (rank == 0) return result;
   VectorXf area(texels);
   for (Eigen::Index t = 0; t < texels; ++t) area[t] = slot_area[t];
+  const MatrixXf basis = principalBasis(extended, texel_weight, options);
+  if (basis.cols() == 0) return result;
   const MatrixXf to_coordinates = energyKeepingCoordinates(basis, texel_weight, area);
+  const Eigen::Index rank = basis.cols();
+  result.rank = uint32_t(rank);
   const VectorXf basis_norm2 = (texel_weight.asDiagonal() * basis).colwise().squaredNorm();
   const double signal2 = (texel_weight.asDiagonal() * samples).cast<double>().squaredNorm();
 
