@@ -80,8 +80,11 @@ int main(int argc, char** argv) {
     const SkyGrid grid = makeSkyGrid(map, 2048, diagnostics, nullptr);
     const auto report = [&](const char* model, uint32_t cells, uint32_t suns, double seconds, const std::vector<Rgb>& answers) {
       for (size_t k = 0; k < std::size(kShininess); ++k) {
-        const auto part = [&](const std::vector<Rgb>& all) { return std::vector<Rgb>(all.begin() + long(k * count), all.begin() + long((k + 1) * count)); };
-        std::printf("%s,%s,%g,%u,%u,%.6g,%.3f\n", name.c_str(), model, kShininess[k], cells, suns, relativeRms(part(exact), part(answers)), seconds);
+        const auto part = [&](const std::vector<Rgb>& all) {
+          return std::vector<Rgb>(all.begin() + long(k * count), all.begin() + long((k + 1) * count));
+        };
+        std::printf("%s,%s,%g,%u,%u,%.6g,%.3f\n", name.c_str(), model, kShininess[k], cells, suns, relativeRms(part(exact), part(answers)),
+                    seconds);
       }
       std::fflush(stdout);
     };

@@ -27,7 +27,9 @@ constexpr Style kStyles[] = {{"monte carlo", "importance-sampled lights", "#8888
 
 struct Axis {
   double least, most, from, to;
-  double operator()(double v) const { return from + (std::log(std::clamp(v, least, most)) - std::log(least)) / (std::log(most) - std::log(least)) * (to - from); }
+  double operator()(double v) const {
+    return from + (std::log(std::clamp(v, least, most)) - std::log(least)) / (std::log(most) - std::log(least)) * (to - from);
+  }
 };
 
 }  // namespace
@@ -53,8 +55,10 @@ int main(int argc, char** argv) {
   highest = std::pow(10, std::ceil(std::log10(highest)));
   const int columns = 2, rows = int(maps.size() + 1) / columns, legend = 40;
   const int width = columns * kPanelWidth, height = rows * kPanelHeight + legend;
-  std::printf("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" font-size=\"11\">\n",
-              width, height, width, height);
+  std::printf(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" "
+      "font-size=\"11\">\n",
+      width, height, width, height);
   std::printf("<rect width=\"%d\" height=\"%d\" fill=\"white\"/>\n", width, height);
   for (size_t m = 0; m < maps.size(); ++m) {
     const double left = double(m % columns) * kPanelWidth + kMargin, top = double(m / columns) * kPanelHeight + 24;
@@ -62,11 +66,15 @@ int main(int argc, char** argv) {
     const Axis x{kLeastCells, kMostCells, left, right}, y{lowest, highest, bottom, top};
     std::printf("<text x=\"%.0f\" y=\"%.0f\" font-weight=\"bold\">%s, n = %s</text>\n", left, top - 8, maps[m].c_str(), shininess.c_str());
     for (double cells = kLeastCells; cells <= kMostCells; cells *= 2)
-      std::printf("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"#eee\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%g</text>\n",
-                  x(cells), top, x(cells), bottom, x(cells), bottom + 14, cells);
+      std::printf(
+          "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"#eee\"/><text x=\"%.1f\" y=\"%.1f\" "
+          "text-anchor=\"middle\">%g</text>\n",
+          x(cells), top, x(cells), bottom, x(cells), bottom + 14, cells);
     for (double error = lowest; error <= highest * 1.01; error *= 10)
-      std::printf("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"#ddd\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%g %%</text>\n", left,
-                  y(error), right, y(error), left - 5, y(error) + 4, error * 100);
+      std::printf(
+          "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"#ddd\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%g "
+          "%%</text>\n",
+          left, y(error), right, y(error), left - 5, y(error) + 4, error * 100);
     for (const Style& style : kStyles) {
       auto points = curves[maps[m]][style.model];
       if (points.empty()) continue;
@@ -78,8 +86,10 @@ int main(int argc, char** argv) {
   }
   double at = 20;
   for (const Style& style : kStyles) {
-    std::printf("<line x1=\"%.0f\" y1=\"%d\" x2=\"%.0f\" y2=\"%d\" stroke=\"%s\" stroke-width=\"2\" stroke-dasharray=\"%s\"/><text x=\"%.0f\" y=\"%d\">%s</text>\n", at,
-                height - 20, at + 18, height - 20, style.color, style.dash, at + 22, height - 16, style.label);
+    std::printf(
+        "<line x1=\"%.0f\" y1=\"%d\" x2=\"%.0f\" y2=\"%d\" stroke=\"%s\" stroke-width=\"2\" stroke-dasharray=\"%s\"/><text x=\"%.0f\" "
+        "y=\"%d\">%s</text>\n",
+        at, height - 20, at + 18, height - 20, style.color, style.dash, at + 22, height - 16, style.label);
     at += 32 + 6.0 * double(std::string(style.label).size());
   }
   std::printf("</svg>\n");

@@ -31,8 +31,8 @@ void print(const char* figure, double radius, double psi, float n) {
   const CellShape cap{Vec3(0, 0, 1), float(2 * kPiD * depth), float(depth / 2), {float(variance), 0, float(variance)}};
   const Vec3 mirror{float(std::sin(psi)), 0, float(std::cos(psi))};
   const auto average = [&](Reflectivity model) { return averageCosinePower(model, cap, mirror, n); };
-  std::printf("%s,%g,%.4f,%.4f,%.6g,%.6g,%.6g,%.6g,%.6g\n", figure, n, radius, psi, quadrature(radius, psi, n), average(Reflectivity::single),
-              average(Reflectivity::paper), average(Reflectivity::vmf), average(Reflectivity::spread));
+  std::printf("%s,%g,%.4f,%.4f,%.6g,%.6g,%.6g,%.6g,%.6g\n", figure, n, radius, psi, quadrature(radius, psi, n),
+              average(Reflectivity::single), average(Reflectivity::paper), average(Reflectivity::vmf), average(Reflectivity::spread));
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ EnvironmentMap makeSky(int width) {
   for (int y = 0; y < width / 2; ++y)
     for (int x = 0; x < width; ++x) {
       const float theta = (float(y) + 0.5f) / float(width / 2) * kPi, phi = (float(x) / float(width) - 0.5f) * 2 * kPi;
-      const float lamp = std::max(0.0f, std::sin(3 * theta) * std::sin(5 * phi)), sun = std::hypot(theta - 0.8f, phi - 1) < 0.008f ? 40000.0f : 0.0f;
+      const float lamp = std::max(0.0f, std::sin(3 * theta) * std::sin(5 * phi)),
+                  sun = std::hypot(theta - 0.8f, phi - 1) < 0.008f ? 40000.0f : 0.0f;
       pixels.push_back(Rgb(0.3f, 0.5f, 1) * (1.2f + std::cos(theta)) + Rgb(30, 20, 10) * std::pow(lamp, 60.0f) + Rgb(sun));
     }
   return EnvironmentMap(memoryRowSource(width, width / 2, std::move(pixels)), "sky");

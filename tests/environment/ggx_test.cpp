@@ -18,8 +18,8 @@ double ggxKernel(double psi, double alpha) {
 }
 
 TEST(GgxLobes, FollowTheKernel) {
-  for (const auto& [roughness, limit] :
-       {std::pair{0.0f, 0.06}, std::pair{0.15f, 0.04}, std::pair{0.3f, 0.025}, std::pair{0.5f, 0.015}, std::pair{0.8f, 0.01}, std::pair{1.0f, 0.001}}) {
+  for (const auto& [roughness, limit] : {std::pair{0.0f, 0.06}, std::pair{0.15f, 0.04}, std::pair{0.3f, 0.025}, std::pair{0.5f, 0.015},
+                                         std::pair{0.8f, 0.01}, std::pair{1.0f, 0.001}}) {
     const double alpha = std::pow(std::max(0.075, double(roughness)), 2);
     const std::vector<PhongLobe> lobes = ggxLobes(roughness);
     double energy = 0, difference = 0, weight = 0;

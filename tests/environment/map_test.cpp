@@ -165,7 +165,8 @@ struct Planes {
     Imf::FrameBuffer buffer;
     const size_t width = size_t(window.max.x - window.min.x + 1);
     for (size_t c = 0; c < names.size(); ++c)
-      buffer.insert(names[c], Imf::Slice::Make(sizeof(Value) == 2 ? Imf::HALF : Imf::FLOAT, plane[c].data(), window, sizeof(Value), sizeof(Value) * width));
+      buffer.insert(names[c], Imf::Slice::Make(sizeof(Value) == 2 ? Imf::HALF : Imf::FLOAT, plane[c].data(), window, sizeof(Value),
+                                               sizeof(Value) * width));
     return buffer;
   }
 };
@@ -288,7 +289,8 @@ TEST_F(MapFiles, FlippedBytesAreReadOrRejected) {
       const uint32_t where = mixBits(2 * i) % damaged.size();
       damaged[where] = char(uint8_t(damaged[where]) ^ (1u << mixBits(2 * i + 1) % 8));
       try {
-        for (const Rgb& value : read(write("flipped", damaged))) ASSERT_TRUE(isFinite(value) && value.x >= 0 && value.y >= 0 && value.z >= 0);
+        for (const Rgb& value : read(write("flipped", damaged)))
+          ASSERT_TRUE(isFinite(value) && value.x >= 0 && value.y >= 0 && value.z >= 0);
       } catch (const InputError& error) {
         EXPECT_NE(std::string(error.what()).find("flipped"), std::string::npos);
       }

@@ -79,7 +79,8 @@ TEST(Reflectivity, PointCellsGiveTheLobeItself) {
 }
 
 TEST(Reflectivity, SpreadAgreesWithQuadratureForCellsNarrowerThanTheLobe) {
-  for (const auto& [n, r] : {std::pair{1.0, 0.3}, std::pair{4.0, 0.2}, std::pair{10.0, 0.2}, std::pair{100.0, 0.07}, std::pair{1000.0, 0.02}})
+  for (const auto& [n, r] :
+       {std::pair{1.0, 0.3}, std::pair{4.0, 0.2}, std::pair{10.0, 0.2}, std::pair{100.0, 0.07}, std::pair{1000.0, 0.02}})
     for (double share : {0.0, 0.5, 1.0, 2.0}) {
       const double psi = share / std::sqrt(n + 2), exact = quadrature(r, psi, n);
       EXPECT_NEAR(averageCosinePower(Reflectivity::spread, capOf(r), tilted(psi), float(n)) / exact, 1, 0.01) << n << " " << psi;

@@ -22,7 +22,9 @@ inline EnvironmentMap makeSky(int width, int height, const std::function<Rgb(con
 }
 
 /// 1 inside of a cap of `radius_rad` about the unit vector `center`, else 0.
-inline float inCap(const Vec3& d, const Vec3& center, float radius_rad) { return (d - center).length() < 2 * std::sin(radius_rad / 2) ? 1.0f : 0.0f; }
+inline float inCap(const Vec3& d, const Vec3& center, float radius_rad) {
+  return (d - center).length() < 2 * std::sin(radius_rad / 2) ? 1.0f : 0.0f;
+}
 
 /// An outdoor sky: a blue gradient above brown ground, a sun 45,000 times the mean, and three lamps of a few degrees.
 inline Rgb outdoorRadiance(const Vec3& d) {

@@ -12,7 +12,8 @@ struct EnvironmentSettings {
   int grid_width = 2048;  // columns of the working resolution at most, ≥ 64
 };
 
-/// Reads the map once. The same map, settings and seed give the same result for any number of threads. Throws InputError, UsageError, Cancelled.
+/// Reads the map once. The same map, settings and seed give the same result for any number of threads. Throws InputError, UsageError,
+/// Cancelled.
 Environment bakeEnvironment(EnvironmentMap& map, const EnvironmentSettings& settings, Diagnostics& diagnostics, const CancelFlag* cancel);
 
 /// The sky of a grid without the texels whose label is below `sun_count`.

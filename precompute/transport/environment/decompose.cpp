@@ -58,8 +58,10 @@ struct SpreadSum {
 Vec3 unitOr(const Vec3d& v, const Vec3& fallback) { return v.length() > 1e-12 ? Vec3(v.normalized()) : fallback; }
 
 /// Lloyd's method: moves seeds to the centroids of their cells' weight until they lie still. Cells that lost all texels vanish.
-/// Weighted by a density ρ, seeds settle at a density as √ρ (Gersho's conjecture in two dimensions). Returns Σ weight · (1 − cosine to the seed).
-double relax(const SkyGrid& grid, const std::vector<double>& weight, int rounds, int threads, const CancelFlag* cancel, std::vector<Vec3>& seed) {
+/// Weighted by a density ρ, seeds settle at a density as √ρ (Gersho's conjecture in two dimensions). Returns Σ weight · (1 − cosine to the
+/// seed).
+double relax(const SkyGrid& grid, const std::vector<double>& weight, int rounds, int threads, const CancelFlag* cancel,
+             std::vector<Vec3>& seed) {
   const SphericalVoronoi voronoi(grid);
   double spread = 0;
   for (int round = 0; round < rounds; ++round) {

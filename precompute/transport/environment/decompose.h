@@ -12,7 +12,8 @@ struct DecompositionSettings {
   uint64_t seed = 0;
   bool fast = false;       // bisection, a coarse grid and few rounds: for skies that change
   /// Seeds and relaxation aim at a density of cells as radiance to this power, in [0, 1]. 1: cells of equal power, solid angles inversely
-  /// proportional to radiance, as the paper asks. 0.5: the least squared spread of power in the cells, thus the least error of one sample each.
+  /// proportional to radiance, as the paper asks. 0.5: the least squared spread of power in the cells, thus the least error of one sample
+  /// each.
   float density_exponent = 0.5f;
   SunSettings suns;
   int threads = 0;         // 0: all. The result does not depend on it

@@ -87,10 +87,12 @@ Imath::M33d rotationAboutY(double angle_rad) {
 EnvironmentMap::EnvironmentMap(std::unique_ptr<RowSource> source, std::string name, const MapPlacement& placement)
     : source_(std::move(source)), name_(std::move(name)), placement_(placement) {
   if (!isRotation(placement.world_from_map)) throw UsageError(name_ + ": the orientation of the map is not a rotation");
-  if (!(placement.intensity >= 0 && placement.intensity <= kMaxRadiance)) throw UsageError(name_ + ": the intensity must be finite and not negative");
+  if (!(placement.intensity >= 0 && placement.intensity <= kMaxRadiance))
+    throw UsageError(name_ + ": the intensity must be finite and not negative");
   if (const auto& ground = placement.ground_radiance_rgb)
     for (int c = 0; c < 3; ++c)
-      if (!((*ground)[c] >= 0 && (*ground)[c] <= kMaxRadiance)) throw UsageError(name_ + ": the ground's radiance must be finite and not negative");
+      if (!((*ground)[c] >= 0 && (*ground)[c] <= kMaxRadiance))
+        throw UsageError(name_ + ": the ground's radiance must be finite and not negative");
 }
 
 void EnvironmentMap::visitRows(Diagnostics& diagnostics, const CancelFlag* cancel, const RowVisitor& visit) {

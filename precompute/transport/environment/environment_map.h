@@ -58,7 +58,8 @@ class EnvironmentMap {
 
   int width() const { return source_->width(); }
   int height() const { return source_->height(); }
-  /// Repaired rows: NaN and negative radiance is 0, infinite or beyond kMaxRadiance is 65504 (the largest half). Counts go to `diagnostics`.
+  /// Repaired rows: NaN and negative radiance is 0, infinite or beyond kMaxRadiance is 65504 (the largest half). Counts go to
+  /// `diagnostics`.
   void visitRows(Diagnostics& diagnostics, const CancelFlag* cancel, const RowVisitor& visit);
 
   /// Unit direction (world) of a point of the map; texel centres are at (column + 0.5, row + 0.5).

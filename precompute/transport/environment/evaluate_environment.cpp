@@ -80,7 +80,8 @@ Rgb EnvironmentEvaluator::answer(const EnvironmentQuery& query) const {
 
 Rgb EnvironmentEvaluator::ggxRadiance(const Vec3& mirror, float roughness) const {
   Rgb sum(0, 0, 0);
-  for (const PhongLobe& lobe : ggxLobes(roughness)) sum += answer({mirror, lobe.shininess}) * (lobe.weight * (lobe.shininess + 1) / (2 * kPi));
+  for (const PhongLobe& lobe : ggxLobes(roughness))
+    sum += answer({mirror, lobe.shininess}) * (lobe.weight * (lobe.shininess + 1) / (2 * kPi));
   return sum;
 }
 

@@ -15,7 +15,8 @@ class EnvironmentEvaluator {
  public:
   explicit EnvironmentEvaluator(const Environment& environment);  // copies what it needs
 
-  /// The sky's nodes and the suns: the default. Lobes narrower than maxShininess() see the sky with that one, at their own energy; suns always sharp.
+  /// The sky's nodes and the suns: the default. Lobes narrower than maxShininess() see the sky with that one, at their own energy; suns
+  /// always sharp.
   Rgb answer(const EnvironmentQuery& query) const;
   /// Mean radiance under the GGX filter of a perceptual roughness about the mirror direction (see ggx_lobes.h).
   Rgb ggxRadiance(const Vec3& mirror, float roughness) const;

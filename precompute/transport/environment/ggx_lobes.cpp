@@ -8,8 +8,8 @@ namespace lightwell::transport {
 namespace {
 
 constexpr float kLeastRoughness = 0.075f;  // sharper lobes than shininess 1e5 would be needed below
-// Shininess of the lobes over (1 − α²) / 2α². Near its peak the kernel is 1 / (1 + y)², y = (1 − cos ψ)(1 − α²) / 2α², a mixture of exp(−t y)
-// with density t exp(−t): these t cover it.
+// Shininess of the lobes over (1 − α²) / 2α². Near its peak the kernel is 1 / (1 + y)², y = (1 − cos ψ)(1 − α²) / 2α², a mixture of exp(−t
+// y) with density t exp(−t): these t cover it.
 constexpr std::array kMixture = {0.08, 0.4, 1.5, 5.0};
 constexpr int kPoints = 1024;
 

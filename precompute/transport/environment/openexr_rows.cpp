@@ -45,7 +45,8 @@ class OpenExrRows : public RowSource {
   OpenExrRows(const std::filesystem::path& file, Diagnostics& diagnostics)
       : name_(file.string()), file_(file.c_str(), 0), part_(choosePart()), channels_(*findColor(header().channels())) {
     checkSizes();
-    if (Imf::hasEnvmap(header()) && Imf::envmap(header()) != Imf::ENVMAP_LATLONG) fail("header", "a cube map; only latitude-longitude maps are read");
+    if (Imf::hasEnvmap(header()) && Imf::envmap(header()) != Imf::ENVMAP_LATLONG)
+      fail("header", "a cube map; only latitude-longitude maps are read");
     if (Imf::hasChromaticities(header())) {
       const Imf::Chromaticities given = Imf::chromaticities(header()), rec709;
       const auto far = [](const Imath::V2f& a, const Imath::V2f& b) { return (a - b).length() > 0.02f; };

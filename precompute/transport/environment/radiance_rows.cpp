@@ -89,7 +89,8 @@ bool parseResolution(const Reader& reader, const std::string& line, Header& head
   long slow_size = 0, fast_size = 0;
   if (!(in >> slow >> slow_size >> fast >> fast_size)) return false;
   const auto isAxis = [](const std::string& s, char axis) { return s.size() == 2 && (s[0] == '+' || s[0] == '-') && s[1] == axis; };
-  if (isAxis(slow, 'X') && isAxis(fast, 'Y')) reader.fail("header", "scan lines run along columns (" + line + "); rotate the picture first");
+  if (isAxis(slow, 'X') && isAxis(fast, 'Y'))
+    reader.fail("header", "scan lines run along columns (" + line + "); rotate the picture first");
   if (!isAxis(slow, 'Y') || !isAxis(fast, 'X')) return false;
   if (!isUsableMapSize(fast_size, slow_size))
     reader.fail("header", "unusable size " + std::to_string(fast_size) + " x " + std::to_string(slow_size));
@@ -165,7 +166,8 @@ void readPixels(Reader& reader, Rgbe first, std::vector<Rgbe>& pixels) {
   for (size_t x = 0;;) {
     if (pixel[0] == 1 && pixel[1] == 1 && pixel[2] == 1) {
       const size_t count = shift < 32 ? size_t(pixel[3]) << shift : pixels.size() + 1;
-      if (x == 0 || count > pixels.size() - x) reader.fail(reader.place(), x == 0 ? "begins with a repeat" : "a run passes the end of the line");
+      if (x == 0 || count > pixels.size() - x)
+        reader.fail(reader.place(), x == 0 ? "begins with a repeat" : "a run passes the end of the line");
       std::fill_n(pixels.begin() + long(x), count, pixels[x - 1]);
       x += count;
       shift += 8;

@@ -45,8 +45,8 @@ float vmfAverage(const CellShape& cell, const Vec3& mirror, float n) {
   return std::min(1.0f, kappa / -std::expm1(-2 * kappa) * integral * std::exp(exponent) * same_energy);
 }
 
-/// cos^n ψ = (1 + tan² ψ)^(−n/2), and tan² ψ = t · t for the gnomonic offset t of R from the cell's axis. Folding a Gaussian exp(−n t·t/2) with
-/// covariance S gives det(I + n S)^(−1/2) exp(−n t·(I + n S)⁻¹t / 2). The same form with (n − 1) / cos² ψ for the second n also has
+/// cos^n ψ = (1 + tan² ψ)^(−n/2), and tan² ψ = t · t for the gnomonic offset t of R from the cell's axis. Folding a Gaussian exp(−n t·t/2)
+/// with covariance S gives det(I + n S)^(−1/2) exp(−n t·(I + n S)⁻¹t / 2). The same form with (n − 1) / cos² ψ for the second n also has
 /// the right second derivatives of cos^n at every ψ: to first order in S the mean is exact, n = 1 and n = 1e5 alike.
 float spreadAverage(const CellShape& cell, const Vec3& mirror, float n) {
   const float cosine = cell.direction.dot(mirror);

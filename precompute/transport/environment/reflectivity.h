@@ -25,7 +25,8 @@ CellShape cellShape(const EnvironmentCells& cells, uint32_t cell);
 /// max(0, cos ψ)^n for unit vectors; exact to float accuracy for n from 0 to 1e5 and any angle, by way of their distance.
 float cosinePower(const Vec3& a, const Vec3& b, float n);
 
-/// Mean of max(0, cos ψ)^n over the cell's light, ψ measured from the unit vector `mirror`; n in [1, 1e5]; in [0, 1], finite for every cell.
+/// Mean of max(0, cos ψ)^n over the cell's light, ψ measured from the unit vector `mirror`; n in [1, 1e5]; in [0, 1], finite for every
+/// cell.
 float averageCosinePower(Reflectivity model, const CellShape& cell, const Vec3& mirror, float n);
 /// Mean of max(0, cos θ) over the cell's light. Exact for `spread` where the cell lies on one side of the horizon; across it the light
 /// is taken as a Gaussian in height. The other models take the single sample, as the paper does.

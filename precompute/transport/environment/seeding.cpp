@@ -111,7 +111,8 @@ std::vector<Vec3> blueNoiseSeeds(const SkyGrid& grid, const std::vector<double>&
     for (const Candidate& b : candidates)
       if (&a != &b) a.crowding += crowding(a, b);
   while (candidates.size() > count) {
-    const auto worst = std::max_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.crowding < b.crowding; });
+    const auto worst =
+        std::max_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.crowding < b.crowding; });
     const Candidate removed = *worst;
     candidates.erase(worst);
     for (Candidate& c : candidates) c.crowding -= crowding(c, removed);
@@ -127,7 +128,9 @@ std::vector<Vec3> bisectionSeeds(const SkyGrid& grid, const std::vector<double>&
     if (importance[i] > 0) all.push_back(i);
   std::vector<Part> parts;
   parts.push_back(makePart(grid, importance, std::move(all)));
-  const auto less_spread = [&](size_t a, size_t b) { return parts[a].spread != parts[b].spread ? parts[a].spread < parts[b].spread : a > b; };
+  const auto less_spread = [&](size_t a, size_t b) {
+    return parts[a].spread != parts[b].spread ? parts[a].spread < parts[b].spread : a > b;
+  };
   std::priority_queue<size_t, std::vector<size_t>, decltype(less_spread)> queue(less_spread);
   queue.push(0);
   while (parts.size() < count && parts[queue.top()].spread > 0) {

@@ -26,9 +26,11 @@ struct SkyGrid {
 
 inline double luminance(const std::array<double, 3>& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
-/// Reads a map once. The grid is the map's own, or coarser by whole numbers so that it has at most `max_width` columns and half as many rows.
+/// Reads a map once. The grid is the map's own, or coarser by whole numbers so that it has at most `max_width` columns and half as many
+/// rows.
 SkyGrid makeSkyGrid(EnvironmentMap& map, int max_width, Diagnostics& diagnostics, const CancelFlag* cancel);
-/// Sums of blocks, at most `max_width` columns and half as many rows, without the texels marked in `excluded` (empty, or one byte per texel).
+/// Sums of blocks, at most `max_width` columns and half as many rows, without the texels marked in `excluded` (empty, or one byte per
+/// texel).
 SkyGrid reduceSkyGrid(const SkyGrid& grid, int max_width, const std::vector<uint8_t>& excluded = {});
 /// Gives each texel of `grid` the label of its block in reduceSkyGrid(grid, max_width).
 std::vector<uint32_t> expandLabels(const SkyGrid& grid, int max_width, const std::vector<uint32_t>& block_label);

@@ -19,7 +19,9 @@ SphericalVoronoi::SphericalVoronoi(const SkyGrid& grid) : grid_(grid) {
   for (int y = 0; y < grid.height; y += kTileTexels)
     for (int x = 0; x < grid.width; x += kTileTexels) {
       Tile tile{x, y, std::min(x + kTileTexels, grid.width), std::min(y + kTileTexels, grid.height), Vec3(0), 0};
-      const auto direction = [&](int column, int row) -> const Vec3& { return grid.direction[size_t(row) * size_t(grid.width) + size_t(column)]; };
+      const auto direction = [&](int column, int row) -> const Vec3& {
+        return grid.direction[size_t(row) * size_t(grid.width) + size_t(column)];
+      };
       for (int row = tile.y0; row < tile.y1; ++row)
         for (int column = tile.x0; column < tile.x1; ++column) tile.center += direction(column, row);
       tile.center = tile.center.length() > 1e-6f ? tile.center.normalized() : direction(x, y);

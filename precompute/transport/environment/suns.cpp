@@ -74,7 +74,8 @@ std::vector<std::vector<uint32_t>> findSuns(const SkyGrid& grid, const SunSettin
     const auto peak = std::max_element(radiance.begin(), radiance.end());
     const float brightest = *peak;
     if (brightest <= 0) break;
-    std::vector<uint32_t> spot = growSpot(grid, uint32_t(peak - radiance.begin()), float(brightest * kEdgeRatio), max_solid_angle, radiance);
+    std::vector<uint32_t> spot =
+        growSpot(grid, uint32_t(peak - radiance.begin()), float(brightest * kEdgeRatio), max_solid_angle, radiance);
     if (spot.empty()) break;  // the brightest thing is wide: cells can follow it, and nothing else is a sun
     double flux = 0;
     for (uint32_t i : spot) flux += luminance(grid.flux_rgb[i]);
