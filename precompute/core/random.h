@@ -59,11 +59,14 @@ class Sampler {
 
  private:
   static float toUnit(uint32_t v) { return float(v >> 8) * 0x1p-24f; }
+  /// The second Sobol dimension: the binary Pascal matrix times the reversed index, by halves instead of bit by bit.
   static uint32_t sobolSecond(uint32_t index) {
-    uint32_t result = 0;
-    for (uint32_t direction = 0x80000000u; index; index >>= 1, direction ^= direction >> 1)
-      if (index & 1u) result ^= direction;
-    return result;
+    uint32_t v = reverseBits(index);
+    v ^= (v << 1) & 0xaaaaaaaau;
+    v ^= (v << 2) & 0xccccccccu;
+    v ^= (v << 4) & 0xf0f0f0f0u;
+    v ^= (v << 8) & 0xff00ff00u;
+    return v ^ (v << 16);
   }
   uint64_t key_;
 };
