@@ -74,9 +74,8 @@ TEST_F(Programs, GamePicturesAreTheSameOnEsAndEachTime) {
 }
 
 TEST_F(Programs, GameShowsTheParts) {
-  for (const char* mode : {"direct", "indirect", "full"})
-    ASSERT_EQ(run(std::string(LIGHTWELL_GAME) + " stage.lwc --headless --camera camera.json --lights right.json --size 64x64 --mode " + mode +
-                  " -o " + mode), 0) << said;
+  const std::string command = LIGHTWELL_GAME " stage.lwc --headless --camera camera.json --lights right.json --size 64x64";
+  for (const std::string mode : {"direct", "indirect", "full"}) ASSERT_EQ(run(command + " --mode " + mode + " -o " + mode), 0) << said;
   EXPECT_NE(read("direct_000.png"), read("full_000.png"));
   EXPECT_NE(read("indirect_000.png"), read("full_000.png"));
 }
