@@ -12,9 +12,9 @@ namespace lightwell::transport {
 
 struct LocalBasesOptions {
   uint32_t block_texels = 48;      // aimed at
-  uint32_t most_rank = 24;         // 1 … 64
-  float rank_error = 0.01f;        // a block's rank is the least that leaves this relative residual under the training lights
-  float link_error = 0.015f;       // clusters merge into groups up to this relative error under the training lights
+  uint32_t most_rank = 16;         // 1 … 64
+  float rank_error = 0.015f;       // a block's rank is the least that leaves this relative residual under the training lights
+  float link_error = 0.03f;        // clusters merge into groups up to this relative error under the training lights
   uint32_t rays = 1024;            // gathered per texel
 };
 
