@@ -7,12 +7,12 @@ namespace lightwell::bake {
 namespace {
 
 // Elements of a stage in one task: a few tenths of a second of work. Part of what names a task, never of what it computes.
-constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 16;
+constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 4;
 
 /// Every setting that some stage's bytes depend on.
 std::string parametersOf(const BakeContext& context, const transport::PrmSettings& s) {
   std::string text = context.surfaceKey().hex();
-  const auto add = [&](auto value) { text += ' ' + std::to_string(value); };
+  const auto add = [&](auto value) { text.append(1, ' ').append(std::to_string(value)); };
   add(int(s.layout)), add(int(s.estimator));
   add(s.entries.clusters), add(s.entries.groups), add(s.entries.points_per_cluster), add(s.entries.points_per_group);
   add(s.bases.block_texels), add(s.bases.most_rank), add(s.bases.rank_error), add(s.bases.link_error), add(s.bases.rays);
@@ -24,6 +24,19 @@ std::vector<ByteView> viewsOf(std::span<const Blob> blobs) {
   std::vector<ByteView> views;
   for (const auto& blob : blobs) views.emplace_back(*blob);
   return views;
+}
+
+/// What was chosen by hand holds for every quality and refinement. A pane is that of a group.
+void applyChoices(const plan::Settings& settings, transport::PrmSettings& prm) {
+  const bool panes = settings.prm_layout == plan::PrmLayout::panes;
+  prm.layout = panes ? transport::PrmLayoutKind::panes : transport::PrmLayoutKind::local_bases;
+  prm.estimator = settings.prm_estimator == plan::PrmEstimator::walks ? transport::PaneEstimator::walks : transport::PaneEstimator::gather;
+  transport::EntryOptions& entries = prm.entries;
+  uint32_t& clusters = panes ? entries.groups : entries.clusters;
+  if (settings.prm_clusters) clusters = settings.prm_clusters;
+  if (settings.prm_entries) (panes ? entries.points_per_group : entries.points_per_cluster) = std::max(1u, settings.prm_entries / clusters);
+  if (panes) entries.clusters = std::max(entries.clusters, entries.groups);  // clusters lie inside groups
+  else entries.groups = std::min(entries.groups, entries.clusters);
 }
 
 }  // namespace
@@ -51,9 +64,12 @@ transport::PrmSettings prmSettings(const plan::Settings& settings) {
     prm.group_rays *= more, prm.bases.rays *= more;
     prm.entries.clusters *= more, prm.training_lights *= more;
     prm.bases.most_rank = std::min(64u, prm.bases.most_rank * more);
+    prm.walks_per_entry *= more;
   } else {
     prm.bases.most_rank = std::max(1u, prm.bases.most_rank >> -settings.refinement);
+    if (settings.prm_layout == plan::PrmLayout::panes) prm.entries.groups = std::max(1u, prm.entries.groups >> -settings.refinement);
   }
+  applyChoices(settings, prm);
   return prm;
 }
 
@@ -94,7 +110,7 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
          return baker->solve(all.first(bounces), all.subspan(bounces, training), all.subspan(bounces + training));
        }});
   tasks.solved = solve;
-  tasks.blocks = addRange("fit", baker->blockCount(), kBlocksPerTask, double(settings.bases.block_texels) * settings.bases.rays, {solve},
+  tasks.blocks = addRange("fit", baker->blockCount(), kBlocksPerTask, 4.0 * settings.bases.block_texels * settings.bases.rays, {solve},
                           [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fit(first, end, *in.inputs[0]); });
   return tasks;
 }

@@ -17,8 +17,20 @@ void checkTechniques(const Settings& settings) {
       throw UsageError("--techniques: this version cannot bake \"" + std::string(name(technique)) + "\" yet; it bakes prm");
 }
 
+void checkPrm(const Settings& settings) {
+  const bool panes = settings.prm_layout == PrmLayout::panes;
+  if (settings.prm_estimator == PrmEstimator::walks && !panes)
+    throw UsageError("--prm-estimator walks: only --prm-layout panes can be estimated by walks");
+  if (panes && settings.prm_clusters > kMostPrmPanes)
+    throw UsageError("--prm-clusters: at most " + std::to_string(kMostPrmPanes) + " clusters can have a pane each");
+  if (settings.prm_entries && settings.prm_entries < settings.prm_clusters)
+    throw UsageError("--prm-entries: " + std::to_string(settings.prm_entries) + " entry points are too few for " +
+                     std::to_string(settings.prm_clusters) + " clusters");
+}
+
 Plan makePlan(const SceneFacts& facts, const Settings& settings) {
   checkTechniques(settings);
+  checkPrm(settings);
   const bool automatic = settings.techniques.empty();
   const auto wanted = [&](Technique technique) {
     return std::find(settings.techniques.begin(), settings.techniques.end(), technique) != settings.techniques.end();

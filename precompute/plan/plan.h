@@ -28,8 +28,10 @@ struct Plan {
 
 /// Throws UsageError when a technique was named that this version cannot bake.
 void checkTechniques(const Settings& settings);
+/// Throws UsageError for choices of the section prm that exclude each other.
+void checkPrm(const Settings& settings);
 
-/// Pure. Throws as checkTechniques.
+/// Pure. Throws as the checks.
 Plan makePlan(const SceneFacts& facts, const Settings& settings);
 
 }  // namespace lightwell::plan

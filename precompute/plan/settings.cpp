@@ -22,6 +22,8 @@ constexpr Names<Quality, 3> kQualities{
     {{Quality::draft, "draft"}, {Quality::preview, "preview"}, {Quality::production, "production"}}};
 constexpr Names<scene::LightUnits, 3> kLightUnits{
     {{scene::LightUnits::spec, "spec"}, {scene::LightUnits::unitless, "unitless"}, {scene::LightUnits::raw, "raw"}}};
+constexpr Names<PrmLayout, 2> kPrmLayouts{{{PrmLayout::local_bases, "local-bases"}, {PrmLayout::panes, "panes"}}};
+constexpr Names<PrmEstimator, 2> kPrmEstimators{{{PrmEstimator::gather, "gather"}, {PrmEstimator::walks, "walks"}}};
 
 template <class T, size_t n>
 std::string_view nameIn(const Names<T, n>& names, T value) {
@@ -53,17 +55,29 @@ T required(const Names<T, n>& names, const std::string& key, const json& value) 
   return *found;
 }
 
+uint32_t requiredCount(const std::string& key, const json& value, uint32_t most) {
+  if (!value.is_number_unsigned() || value > most)
+    throw UsageError("settings: \"" + key + "\" must be a whole number from 0 to " + std::to_string(most));
+  return value.get<uint32_t>();
+}
+
 }  // namespace
 
 std::string_view name(Technique technique) { return nameIn(kTechniques, technique); }
 std::string_view name(Quality quality) { return nameIn(kQualities, quality); }
 std::string_view name(scene::LightUnits units) { return nameIn(kLightUnits, units); }
+std::string_view name(PrmLayout layout) { return nameIn(kPrmLayouts, layout); }
+std::string_view name(PrmEstimator estimator) { return nameIn(kPrmEstimators, estimator); }
 std::optional<Technique> techniqueNamed(std::string_view name) { return valueIn(kTechniques, name); }
 std::optional<Quality> qualityNamed(std::string_view name) { return valueIn(kQualities, name); }
 std::optional<scene::LightUnits> lightUnitsNamed(std::string_view name) { return valueIn(kLightUnits, name); }
+std::optional<PrmLayout> prmLayoutNamed(std::string_view name) { return valueIn(kPrmLayouts, name); }
+std::optional<PrmEstimator> prmEstimatorNamed(std::string_view name) { return valueIn(kPrmEstimators, name); }
 std::vector<std::string> techniqueNames() { return allNames(kTechniques); }
 std::vector<std::string> qualityNames() { return allNames(kQualities); }
 std::vector<std::string> lightUnitsNames() { return allNames(kLightUnits); }
+std::vector<std::string> prmLayoutNames() { return allNames(kPrmLayouts); }
+std::vector<std::string> prmEstimatorNames() { return allNames(kPrmEstimators); }
 
 std::vector<Technique> parseTechniques(std::string_view list) {
   std::vector<Technique> techniques;
@@ -92,7 +106,11 @@ std::string canonicalJson(const Settings& settings) {
               {"quality", name(settings.quality)},
               {"refinement", settings.refinement},
               {"seed", settings.seed},
-              {"light_units", name(settings.light_units)}}
+              {"light_units", name(settings.light_units)},
+              {"prm_layout", name(settings.prm_layout)},
+              {"prm_estimator", name(settings.prm_estimator)},
+              {"prm_entries", settings.prm_entries},
+              {"prm_clusters", settings.prm_clusters}}
       .dump();
 }
 
@@ -104,7 +122,10 @@ Settings settingsFromJson(std::string_view text) {
     if (key == "techniques") {
       std::string list;
       if (value.is_array())
-        for (const auto& word : value) list += (list.empty() ? "" : ",") + (word.is_string() ? word.get<std::string>() : word.dump());
+        for (const auto& word : value) {
+          if (!list.empty()) list += ',';
+          list += word.is_string() ? word.get<std::string>() : word.dump();
+        }
       else if (value.is_string())
         list = value.get<std::string>();
       settings.techniques = parseTechniques(list);
@@ -124,6 +145,14 @@ Settings settingsFromJson(std::string_view text) {
       settings.seed = value.get<uint64_t>();
     } else if (key == "light_units") {
       settings.light_units = required(kLightUnits, key, value);
+    } else if (key == "prm_layout") {
+      settings.prm_layout = required(kPrmLayouts, key, value);
+    } else if (key == "prm_estimator") {
+      settings.prm_estimator = required(kPrmEstimators, key, value);
+    } else if (key == "prm_entries") {
+      settings.prm_entries = requiredCount(key, value, kMostPrmEntries);
+    } else if (key == "prm_clusters") {
+      settings.prm_clusters = requiredCount(key, value, kMostPrmClusters);
     } else {
       throw UsageError("settings: unknown key \"" + key + "\"");
     }

@@ -12,8 +12,13 @@ namespace lightwell::plan {
 
 enum class Technique { prm, lightmap, vpl, radiosity, environment };
 enum class Quality { draft, preview, production };
+/// How the section prm stores the transport: bases fitted to blocks of texels, or the paper's panes, one per cluster of entry points.
+enum class PrmLayout { local_bases, panes };
+/// How panes are estimated: by gathering at the texels, or by the paper's walks from the entry points.
+enum class PrmEstimator { gather, walks };
 
 inline constexpr int kMostLightmapSize = 8192;
+inline constexpr uint32_t kMostPrmEntries = 1u << 20, kMostPrmClusters = 1u << 16, kMostPrmPanes = 4096;
 inline constexpr int kFinestRefinement = 3, kCoarsestRefinement = -6;
 
 struct Settings {
@@ -23,18 +28,28 @@ struct Settings {
   int refinement = 0;                 // steps finer (> 0) or coarser (< 0) than the quality's own; chosen by a bake with limits
   uint64_t seed = 1;
   scene::LightUnits light_units = scene::LightUnits::spec;
+  PrmLayout prm_layout = PrmLayout::local_bases;
+  PrmEstimator prm_estimator = PrmEstimator::gather;
+  uint32_t prm_entries = 0;           // entry points over all clusters, about, up to kMostPrmEntries; 0: the quality's
+  uint32_t prm_clusters = 0;          // clusters of entry points, about, up to kMostPrmClusters (panes: kMostPrmPanes); 0: the quality's
 };
 
 std::string_view name(Technique technique);
 std::string_view name(Quality quality);
 std::string_view name(scene::LightUnits units);
+std::string_view name(PrmLayout layout);
+std::string_view name(PrmEstimator estimator);
 std::optional<Technique> techniqueNamed(std::string_view name);
 std::optional<Quality> qualityNamed(std::string_view name);
 std::optional<scene::LightUnits> lightUnitsNamed(std::string_view name);
+std::optional<PrmLayout> prmLayoutNamed(std::string_view name);
+std::optional<PrmEstimator> prmEstimatorNamed(std::string_view name);
 /// All names of an option, in order, for messages and help.
 std::vector<std::string> techniqueNames();
 std::vector<std::string> qualityNames();
 std::vector<std::string> lightUnitsNames();
+std::vector<std::string> prmLayoutNames();
+std::vector<std::string> prmEstimatorNames();
 
 /// "auto" or a comma-separated list, as --techniques takes it. Throws UsageError.
 std::vector<Technique> parseTechniques(std::string_view list);

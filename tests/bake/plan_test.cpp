@@ -41,6 +41,20 @@ TEST(Plan, NamedTechniqueWithoutBakerIsAUsageError) {
   EXPECT_THROW(makePlan(kRoom, settings), UsageError);
 }
 
+TEST(Plan, ChoicesOfPrmThatExcludeEachOtherAreAUsageError) {
+  Settings walks;
+  walks.prm_estimator = PrmEstimator::walks;
+  EXPECT_THROW(makePlan(kRoom, walks), UsageError);
+  walks.prm_layout = PrmLayout::panes;
+  EXPECT_TRUE(makePlan(kRoom, walks).prm);
+  walks.prm_clusters = kMostPrmPanes + 1;
+  EXPECT_THROW(makePlan(kRoom, walks), UsageError);
+  Settings few;
+  few.prm_clusters = 256;
+  few.prm_entries = 255;
+  EXPECT_THROW(makePlan(kRoom, few), UsageError);
+}
+
 TEST(Settings, TechniquesParse) {
   EXPECT_TRUE(parseTechniques("auto").empty());
   EXPECT_THAT(parseTechniques("vpl,prm,vpl"), testing::ElementsAre(Technique::prm, Technique::vpl));
@@ -55,15 +69,21 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   settings.refinement = -2;
   settings.seed = 0xffffffffffffffffull;
   settings.light_units = scene::LightUnits::raw;
+  settings.prm_layout = PrmLayout::panes;
+  settings.prm_estimator = PrmEstimator::walks;
+  settings.prm_entries = 4096;
+  settings.prm_clusters = 256;
   const std::string json = canonicalJson(settings);
   EXPECT_EQ(canonicalJson(settingsFromJson(json)), json);
-  EXPECT_EQ(json, R"({"light_units":"raw","lightmap_size":33,"quality":"draft","refinement":-2,"seed":18446744073709551615,"techniques":["prm"]})");
+  EXPECT_EQ(json, R"({"light_units":"raw","lightmap_size":33,"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
+                  R"("quality":"draft","refinement":-2,"seed":18446744073709551615,"techniques":["prm"]})");
   EXPECT_EQ(canonicalJson(settingsFromJson("{}")), canonicalJson(Settings{}));
 }
 
 TEST(Settings, JsonIsChecked) {
   for (const char* bad : {"", "[]", "{", R"({"quality":"best"})", R"({"quality":1})", R"({"lightmap_size":0})", R"({"lightmap_size":8193})",
-                          R"({"lightmap_size":1.5})", R"({"seed":-1})", R"({"refinement":4})", R"({"refinement":-7})", R"({"threads":2})", R"({"techniques":[1]})", R"({"light_units":null})"})
+                          R"({"lightmap_size":1.5})", R"({"seed":-1})", R"({"refinement":4})", R"({"refinement":-7})", R"({"threads":2})", R"({"techniques":[1]})", R"({"light_units":null})",
+                          R"({"prm_layout":"pane"})", R"({"prm_estimator":0})", R"({"prm_entries":-1})", R"({"prm_clusters":65537})"})
     EXPECT_THROW(settingsFromJson(bad), UsageError) << bad;
 }
 

@@ -22,6 +22,8 @@ class Gatherer {
            const EntryClusters& clusters, uint64_t seed)
       : scene_(scene), atlas_(atlas), tracer_(tracer), sides_(sides), clusters_(clusters), seed_(seed) {}
 
+  /// The rays that side() traces, fewer where some would leave below the surface.
+  std::vector<trace::Ray> sideRays(uint32_t side, uint32_t rays) const;
   /// The row of one texel's side.
   GatherRow side(uint32_t side, uint32_t rays) const;
   /// The area-weighted mean row over the sides `members` of a cluster or group; `owner` keys its random numbers.
@@ -30,7 +32,6 @@ class Gatherer {
   Rgb emittedIrradiance(uint32_t side, uint32_t rays) const;
 
  private:
-  std::vector<trace::Ray> sideRays(uint32_t side, uint32_t rays) const;
   GatherRow trace(std::span<const trace::Ray> rays, uint32_t denominator) const;
   const scene::Scene& scene_;
   const atlas::Atlas& atlas_;

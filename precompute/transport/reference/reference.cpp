@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <mutex>
+#include <numeric>
 
 #include "precompute/core/error.h"
 #include "precompute/core/parallel.h"
@@ -51,9 +52,17 @@ IrradianceMap referenceIrradiance(const scene::Scene& scene, const atlas::Atlas&
 IrradianceMap referenceIrradianceRange(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer,
                                        const std::vector<scene::Light>& lights, Component component, const ReferenceOptions& options,
                                        size_t first_slot, size_t end_slot) {
-  if (options.samples == 0) throw UsageError("the reference needs at least one sample per texel");
   if (first_slot > end_slot || end_slot > atlas.slots.size()) throw std::logic_error("referenceIrradianceRange: no such slots");
-  const size_t slot_count = end_slot - first_slot;
+  std::vector<uint32_t> slots(end_slot - first_slot);
+  std::iota(slots.begin(), slots.end(), uint32_t(first_slot));
+  return referenceIrradianceOf(slots, scene, atlas, tracer, lights, component, options);
+}
+
+IrradianceMap referenceIrradianceOf(std::span<const uint32_t> slots, const scene::Scene& scene, const atlas::Atlas& atlas,
+                                    const trace::Tracer& tracer, const std::vector<scene::Light>& lights, Component component,
+                                    const ReferenceOptions& options) {
+  if (options.samples == 0) throw UsageError("the reference needs at least one sample per texel");
+  const size_t slot_count = slots.size();
   IrradianceMap map;
   map.irradiance_rgb.resize(slot_count);
   map.standard_error_rgb.resize(slot_count);
@@ -75,7 +84,7 @@ IrradianceMap referenceIrradianceRange(const scene::Scene& scene, const atlas::A
     for (uint64_t first = 0; first < path_count; first += kBatchPaths) {
       starts.clear();
       for (uint64_t i = first; i < std::min(first + kBatchPaths, path_count); ++i) {
-        const uint32_t slot = uint32_t(first_slot + begin + i / options.samples), sample = uint32_t(i % options.samples);
+        const uint32_t slot = slots[begin + i / options.samples], sample = uint32_t(i % options.samples);
         const uint64_t texel = atlas.slots[slot].texel;
         starts.push_back({slot, sample / groups, Sampler(options.seed, combineKeys(texel, sample % groups)),
                           combineKeys(combineKeys(options.seed, texel), sample)});

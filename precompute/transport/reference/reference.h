@@ -1,6 +1,7 @@
 // The truth that everything else is measured with: unbiased path-traced irradiance per texel.
 #pragma once
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "precompute/atlas/atlas.h"
@@ -37,5 +38,10 @@ IrradianceMap referenceIrradiance(const scene::Scene& scene, const atlas::Atlas&
 IrradianceMap referenceIrradianceRange(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer,
                                        const std::vector<scene::Light>& lights, Component component, const ReferenceOptions& options,
                                        size_t first_slot, size_t end_slot);
+
+/// The same computation for the given slots only: one value each, in their order, equal to those of the whole map bit for bit.
+IrradianceMap referenceIrradianceOf(std::span<const uint32_t> slots, const scene::Scene& scene, const atlas::Atlas& atlas,
+                                    const trace::Tracer& tracer, const std::vector<scene::Light>& lights, Component component,
+                                    const ReferenceOptions& options);
 
 }  // namespace lightwell::transport
