@@ -28,6 +28,7 @@ struct Options {
   bake::SceneSource source;
   fs::path output;
   std::string techniques = "auto", quality = "production", light_units = "spec";
+  std::string prm_layout = "local-bases", prm_estimator = "gather";
   plan::Settings settings;
   std::optional<double> time_limit_s, target_error;
   std::optional<uint64_t> size_limit_bytes;
@@ -118,7 +119,10 @@ void prepare(Options& options) {
   options.settings.techniques = plan::parseTechniques(options.techniques);
   options.settings.quality = *plan::qualityNamed(options.quality);
   options.settings.light_units = *plan::lightUnitsNamed(options.light_units);
+  options.settings.prm_layout = *plan::prmLayoutNamed(options.prm_layout);
+  options.settings.prm_estimator = *plan::prmEstimatorNamed(options.prm_estimator);
   plan::checkTechniques(options.settings);
+  plan::checkPrm(options.settings);
   checkWritable(options.output);
   checkReadable(options.source.scene);
   if (options.source.lights) checkReadable(*options.source.lights);
@@ -203,6 +207,21 @@ void addBake(CLI::App& app, Session& session) {
       ->type_name("NAME")
       ->check(CLI::IsMember(plan::lightUnitsNames()))
       ->capture_default_str();
+  command->add_option("--prm-layout", options->prm_layout, "Form of the section prm: local-bases, or the paper's panes, one per cluster")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(plan::prmLayoutNames()))
+      ->capture_default_str();
+  command->add_option("--prm-estimator", options->prm_estimator,
+                      "How panes are estimated: gather (at the texels) or walks (the paper's, from the entry points)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(plan::prmEstimatorNames()))
+      ->capture_default_str();
+  command->add_option("--prm-entries", options->settings.prm_entries, "Entry points in all clusters together, about; without it the quality decides")
+      ->type_name("N")
+      ->check(CLI::Range(1u, plan::kMostPrmEntries));
+  command->add_option("--prm-clusters", options->settings.prm_clusters, "Clusters of entry points, about; without it the quality decides")
+      ->type_name("N")
+      ->check(CLI::Range(1u, plan::kMostPrmClusters));
   command->add_option("--cache", options->cache, "Folder that keeps results of tasks for later bakes; may be shared and deleted at any time")
       ->type_name("DIR");
   addThreads(*command, options->threads);

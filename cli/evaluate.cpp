@@ -19,6 +19,7 @@ struct Options {
   fs::path container, output;
   std::string technique, evaluator = "cpu", component = "total";
   std::optional<fs::path> lights;
+  std::optional<uint32_t> brightest;
   uint32_t samples = 64;
   int threads = 0;
 };
@@ -59,7 +60,9 @@ void run(Session& session, const Options& options) {
 
   const Component component = componentNamed(options.component);
   const RuntimeContainer runtime(options.container);
-  PrmEvaluation evaluation{runtime, container.scene, tracer, {}};
+  if (options.brightest && reader.prm().layout() != v1::PRM_LAYOUT_PANES)
+    throw UsageError("--brightest: " + reader.file() + " has local bases, which are always summed whole; only panes can be left out");
+  PrmEvaluation evaluation{.container = runtime, .scene = container.scene, .tracer = tracer, .lights = {}, .brightest = options.brightest};
   if (component != Component::direct) {
     evaluation.lights = container.scene.lights;
     evaluation.emitters |= LW_EMITTERS_INDIRECT;
@@ -97,6 +100,9 @@ void addEvaluate(CLI::App& app, Session& session) {
       ->check(CLI::IsMember({"cpu", "gl"}))
       ->capture_default_str();
   addComponent(*command, options->component);
+  command->add_option("--brightest", options->brightest, "Panes only: sum the K that give most light, scaled to keep the energy of all; 0: all")
+      ->type_name("K")
+      ->check(CLI::Range(0u, 1u << 20));
   addLights(*command, options->lights);
   command->add_option("--samples", options->samples, "Points of each texel at which direct light is sampled")
       ->type_name("N")

@@ -33,25 +33,37 @@ std::vector<float> entryVisibility(const PrmEvaluation& evaluation, const lw_prm
   return visibility;
 }
 
-std::vector<float> evaluatePrmOnCpu(const PrmEvaluation& evaluation) {
-  const RuntimeContainer& container = evaluation.container;
-  const auto prm = container.loadPrm();
-  lw_prm_info info;
-  container.check(lw_prm_get_info(prm.get(), &info));
-  std::vector<lw_light> lights;
-  for (const auto& light : evaluation.lights) lights.push_back(runtimeLight(evaluation.scene, light));
+CpuPrm::CpuPrm(const RuntimeContainer& container) : container_(container), prm_(container.loadPrm()) {
+  container.check(lw_prm_get_info(prm_.get(), &info_));
+}
 
-  std::vector<float> entry_rgb(size_t(info.entries) * 3), cluster_rgb(size_t(info.clusters) * 3), atlas_rgba(size_t(info.width) * info.height * 4);
-  VisibilityTracer tracer{evaluation.scene, evaluation.tracer};
-  container.check(lw_prm_entry_irradiance(prm.get(), lights.data(), uint32_t(lights.size()), traceVisibility, &tracer, entry_rgb.data()));
-  container.check(lw_prm_cluster_irradiance(prm.get(), entry_rgb.data(), cluster_rgb.data()));
+std::vector<float> CpuPrm::clusterIrradiance(const scene::Scene& scene, const trace::Tracer& tracer,
+                                             std::span<const scene::Light> lights) const {
+  std::vector<lw_light> runtime_lights;
+  for (const auto& light : lights) runtime_lights.push_back(runtimeLight(scene, light));
+  std::vector<float> entry_rgb(size_t(info_.entries) * 3), cluster_rgb(size_t(info_.clusters) * 3);
+  VisibilityTracer visibility{scene, tracer};
+  container_.check(lw_prm_entry_irradiance(prm_.get(), runtime_lights.data(), uint32_t(lights.size()), traceVisibility, &visibility,
+                                           entry_rgb.data()));
+  container_.check(lw_prm_cluster_irradiance(prm_.get(), entry_rgb.data(), cluster_rgb.data()));
+  return cluster_rgb;
+}
+
+std::vector<float> CpuPrm::evaluate(std::span<const float> cluster_irradiance_rgb, const lw_prm_options& options) const {
+  std::vector<float> scratch((lw_prm_scratch_bytes(prm_.get()) + sizeof(float) - 1) / sizeof(float));
+  std::vector<float> atlas_rgba(size_t(info_.width) * info_.height * 4);
+  container_.check(lw_prm_evaluate(prm_.get(), cluster_irradiance_rgb.data(), &options, scratch.data(), scratch.size() * sizeof(float),
+                                   atlas_rgba.data()));
+  return atlas_rgba;
+}
+
+std::vector<float> evaluatePrmOnCpu(const PrmEvaluation& evaluation) {
+  const CpuPrm prm(evaluation.container);
   lw_prm_options options = LW_PRM_OPTIONS_INIT;
-  options.brightest = info.brightest;
+  options.brightest = evaluation.brightest.value_or(prm.info().brightest);
   options.emitters = evaluation.emitters;
   options.fill = 0;
-  std::vector<float> scratch((lw_prm_scratch_bytes(prm.get()) + sizeof(float) - 1) / sizeof(float));
-  container.check(lw_prm_evaluate(prm.get(), cluster_rgb.data(), &options, scratch.data(), scratch.size() * sizeof(float), atlas_rgba.data()));
-  return atlas_rgba;
+  return prm.evaluate(prm.clusterIrradiance(evaluation.scene, evaluation.tracer, evaluation.lights), options);
 }
 
 }  // namespace lightwell::cli

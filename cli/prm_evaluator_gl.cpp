@@ -1,5 +1,5 @@
+#include "cli/gl_handles.h"
 #include "cli/prm_evaluator.h"
-#include "lightwell/lightwell_gl.h"
 #include "precompute/core/error.h"
 #include "render/egl_context.h"
 #include "render/error.h"
@@ -14,13 +14,6 @@ std::unique_ptr<render::EglContext> openContext() {
     throw UsageError(std::string("--evaluator gl: ") + error.what());
   }
 }
-
-struct DestroyGl {
-  void operator()(lw_gl* gl) const { lw_gl_destroy(gl); }
-};
-struct DestroyGlPrm {
-  void operator()(lw_gl_prm* prm) const { lw_gl_prm_destroy(prm); }
-};
 
 /// The visibility textures of the lights; they end with the transport that made them.
 class VisibilityTextures {
@@ -56,12 +49,12 @@ std::vector<float> evaluatePrmOnGl(const PrmEvaluation& evaluation) {
   config.loader = render::EglContext::load;
   lw_gl* gl_raw = nullptr;
   container.check(lw_gl_create(&config, &gl_raw));
-  const std::unique_ptr<lw_gl, DestroyGl> gl(gl_raw);
+  const GlHandle gl(gl_raw);
   lw_gl_prm_options prm_options = LW_GL_PRM_OPTIONS_INIT;
   prm_options.atlas_format = LW_GL_ATLAS_RGBA32F;  // an EXR holds 32-bit floats; a game is served by the half of it
   lw_gl_prm* gl_prm_raw = nullptr;
   container.check(lw_gl_prm_create(gl.get(), prm.get(), &prm_options, &gl_prm_raw));
-  const std::unique_ptr<lw_gl_prm, DestroyGlPrm> gl_prm(gl_prm_raw);
+  const GlPrmHandle gl_prm(gl_prm_raw);
 
   VisibilityTextures textures(container, gl_prm.get());
   std::vector<lw_gl_light> lights;
@@ -74,7 +67,7 @@ std::vector<float> evaluatePrmOnGl(const PrmEvaluation& evaluation) {
   }
   container.check(lw_gl_update_entries(gl_prm.get(), lights.data(), uint32_t(lights.size())));
   lw_prm_options options = LW_PRM_OPTIONS_INIT;
-  options.brightest = info.brightest;
+  options.brightest = evaluation.brightest.value_or(info.brightest);
   options.emitters = evaluation.emitters;
   options.fill = 0;
   container.check(lw_gl_evaluate(gl_prm.get(), &options));

@@ -1,0 +1,18 @@
+// The OpenGL runtime's handles with owners. They end in the context that they were made in.
+#pragma once
+#include <memory>
+
+#include "lightwell/lightwell_gl.h"
+
+namespace lightwell::cli {
+
+struct DestroyGl {
+  void operator()(lw_gl* gl) const { lw_gl_destroy(gl); }
+};
+struct DestroyGlPrm {
+  void operator()(lw_gl_prm* prm) const { lw_gl_prm_destroy(prm); }
+};
+using GlHandle = std::unique_ptr<lw_gl, DestroyGl>;
+using GlPrmHandle = std::unique_ptr<lw_gl_prm, DestroyGlPrm>;
+
+}  // namespace lightwell::cli
