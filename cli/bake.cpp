@@ -27,7 +27,7 @@ Ctrl-C stops within a second; with --cache the next bake goes on from there.)";
 struct Options {
   bake::SceneSource source;
   fs::path output;
-  std::string techniques = "auto", quality = "production", light_units = "spec";
+  std::string techniques = "auto", quality = "production";
   std::string prm_layout = "local-bases", prm_estimator = "gather";
   plan::Settings settings;
   std::optional<double> time_limit_s, target_error;
@@ -118,7 +118,6 @@ void summarise(Console& console, const bake::Outcome& outcome, const Report& rep
 void prepare(Options& options) {
   options.settings.techniques = plan::parseTechniques(options.techniques);
   options.settings.quality = *plan::qualityNamed(options.quality);
-  options.settings.light_units = *plan::lightUnitsNamed(options.light_units);
   options.settings.prm_layout = *plan::prmLayoutNamed(options.prm_layout);
   options.settings.prm_estimator = *plan::prmEstimatorNamed(options.prm_estimator);
   plan::checkTechniques(options.settings);
@@ -184,15 +183,11 @@ void addBake(CLI::App& app, Session& session) {
   command->add_option("--techniques", options->techniques, "What to bake: auto (what the scene can use), or a comma-separated list; now: prm")
       ->type_name("LIST")
       ->capture_default_str();
-  command->add_option("--lightmap-size", options->settings.lightmap_size, "Texels along each side of the atlas")
-      ->type_name("N")
-      ->check(CLI::Range(1, plan::kMostLightmapSize))
-      ->capture_default_str();
+  addSceneSettings(*command, options->settings);
   command->add_option("--quality", options->quality, "draft (seconds), preview, or production")
       ->type_name("NAME")
       ->check(CLI::IsMember(plan::qualityNames()))
       ->capture_default_str();
-  command->add_option("--seed", options->settings.seed, "Seed of all random numbers")->type_name("N")->capture_default_str();
   command->add_option("--time-limit", options->time_limit_s, "Seconds: keep the best quality, up to --quality, that is done in time; a draft always is")
       ->type_name("S")
       ->check(CLI::Range(0.0, 1e7));
@@ -203,10 +198,6 @@ void addBake(CLI::App& app, Session& session) {
       ->type_name("BYTES")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 50));
   addLights(*command, options->source.lights);
-  command->add_option("--light-units", options->light_units, "What light intensities mean: spec (candela, lux), unitless or raw (Blender's other exports)")
-      ->type_name("NAME")
-      ->check(CLI::IsMember(plan::lightUnitsNames()))
-      ->capture_default_str();
   command->add_option("--prm-layout", options->prm_layout, "Form of the section prm: local-bases, or the paper's panes, one per cluster")
       ->type_name("NAME")
       ->check(CLI::IsMember(plan::prmLayoutNames()))

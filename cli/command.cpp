@@ -10,6 +10,22 @@
 namespace lightwell::cli {
 namespace fs = std::filesystem;
 
+void addSceneSettings(CLI::App& command, plan::Settings& settings) {
+  command.add_option("--lightmap-size", settings.lightmap_size, "Texels along each side of the atlas")
+      ->type_name("N")
+      ->check(CLI::Range(1, plan::kMostLightmapSize))
+      ->capture_default_str();
+  command.add_option("--light-units", "What light intensities mean: spec (candela, lux), unitless or raw (Blender's other exports)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(plan::lightUnitsNames()))
+      ->default_str("spec")
+      ->each([&settings](const std::string& name) { settings.light_units = *plan::lightUnitsNamed(name); });
+  command.add_option("--seed", settings.seed, "Seed of all random numbers; another one gives independent noise")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
 void addThreads(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Threads to use; 0 means all of the machine. The result does not depend on it")
       ->type_name("N")

@@ -9,6 +9,7 @@
 
 #include "cli/console.h"
 #include "cli/interrupt.h"
+#include "precompute/plan/settings.h"
 
 namespace lightwell::cli {
 
@@ -27,6 +28,8 @@ void addRender(CLI::App& app, Session& session);
 
 // ---- Options that several commands have
 
+/// --lightmap-size, --light-units and --seed, into `settings`.
+void addSceneSettings(CLI::App& command, plan::Settings& settings);
 /// --threads, 0 meaning all.
 void addThreads(CLI::App& command, int& threads);
 /// --lights, replacing the scene's punctual lights.

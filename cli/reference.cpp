@@ -15,14 +15,13 @@ struct Options {
   bake::SceneSource source;
   fs::path output;
   std::optional<fs::path> standard_error;
-  std::string component = "total", light_units = "spec";
+  std::string component = "total";
   plan::Settings settings;
   uint32_t samples = 256;
   int threads = 0;
 };
 
 void run(Session& session, Options& options) {
-  options.settings.light_units = *plan::lightUnitsNamed(options.light_units);
   checkWritable(options.output);
   if (options.standard_error) checkWritable(*options.standard_error);
   checkReadable(options.source.scene);
@@ -60,20 +59,10 @@ void addReference(CLI::App& app, Session& session) {
   command->add_option("scene", options->source.scene, "glTF 2.0 scene, .glb or .gltf")->required()->type_name("SCENE");
   addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered");
   addComponent(*command, options->component);
-  command->add_option("--lightmap-size", options->settings.lightmap_size, "Texels along each side of the atlas")
-      ->type_name("N")
-      ->check(CLI::Range(1, plan::kMostLightmapSize))
-      ->capture_default_str();
+  addSceneSettings(*command, options->settings);
   command->add_option("--samples", options->samples, "Paths for each texel")->type_name("N")->check(CLI::Range(1u, 1u << 24))->capture_default_str();
   command->add_option("--standard-error", options->standard_error, "Also write the standard error of each texel")->type_name("SE.exr");
-  command->add_option("--seed", options->settings.seed, "Seed of all random numbers; another one gives an independent map")
-      ->type_name("N")
-      ->capture_default_str();
   addLights(*command, options->source.lights);
-  command->add_option("--light-units", options->light_units, "What light intensities mean: spec (candela, lux), unitless or raw (Blender's other exports)")
-      ->type_name("NAME")
-      ->check(CLI::IsMember(plan::lightUnitsNames()))
-      ->capture_default_str();
   addThreads(*command, options->threads);
   command->footer("Example:\n  lightwell reference room.glb --component indirect --lightmap-size 256 --samples 1024 -o reference.exr");
   command->callback([&session, options] { run(session, *options); });

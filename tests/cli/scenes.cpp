@@ -1,0 +1,87 @@
+#include "tests/cli/scenes.h"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace lightwell::test {
+namespace {
+
+using nlohmann::json;
+using Corner = std::array<float, 3>;
+
+std::string base64(const std::vector<uint8_t>& bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t word = uint32_t(bytes[i]) << 16;
+    if (i + 1 < bytes.size()) word |= uint32_t(bytes[i + 1]) << 8;
+    if (i + 2 < bytes.size()) word |= bytes[i + 2];
+    for (int digit = 0; digit < 4; ++digit) text += i + size_t(digit) > bytes.size() ? '=' : kDigits[word >> (18 - 6 * digit) & 63];
+  }
+  return text;
+}
+
+template <class T>
+void append(std::vector<uint8_t>& bytes, const std::vector<T>& values) {
+  const auto* begin = reinterpret_cast<const uint8_t*>(values.data());
+  bytes.insert(bytes.end(), begin, begin + values.size() * sizeof(T));
+}
+
+}  // namespace
+
+std::string roomGltf(const RoomOptions& options) {
+  json gltf{{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"nodes", json::array()}};
+  json roots = json::array();
+  if (options.surfaces) {
+    // Each wall: a corner and two edges whose cross product points into the room.
+    const std::array<std::array<Corner, 3>, 6> walls{{{{{-1, -1, -1}, {0, 0, 2}, {2, 0, 0}}},
+                                                      {{{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}}},
+                                                      {{{-1, -1, -1}, {0, 2, 0}, {0, 0, 2}}},
+                                                      {{{1, -1, -1}, {0, 0, 2}, {0, 2, 0}}},
+                                                      {{{-1, -1, -1}, {2, 0, 0}, {0, 2, 0}}},
+                                                      {{{-1, -1, 1}, {0, 2, 0}, {2, 0, 0}}}}};
+    std::vector<float> positions, uvs;
+    std::vector<uint32_t> indices;
+    for (uint32_t w = 0; w < 6; ++w) {
+      const auto& [corner, s, t] = walls[w];
+      for (const auto& [a, b] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
+        for (int i = 0; i < 3; ++i) positions.push_back(corner[i] + float(a) * s[i] + float(b) * t[i]);
+        uvs.push_back((float(w % 3) + 0.125f + 0.75f * float(a)) / 3);
+        uvs.push_back((float(w / 3) + 0.125f + 0.75f * float(b)) / 3);
+      }
+      for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) indices.push_back(4 * w + i);
+    }
+    std::vector<uint8_t> bytes;
+    append(bytes, positions);
+    append(bytes, uvs);
+    append(bytes, indices);
+    gltf["buffers"] = {{{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
+    gltf["bufferViews"] = {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 288}},
+                           {{"buffer", 0}, {"byteOffset", 288}, {"byteLength", 192}},
+                           {{"buffer", 0}, {"byteOffset", 480}, {"byteLength", 144}}};
+    gltf["accessors"] = {
+        {{"bufferView", 0}, {"componentType", 5126}, {"count", 24}, {"type", "VEC3"}, {"min", {-1, -1, -1}}, {"max", {1, 1, 1}}},
+        {{"bufferView", 1}, {"componentType", 5126}, {"count", 24}, {"type", "VEC2"}},
+        {{"bufferView", 2}, {"componentType", 5125}, {"count", 36}, {"type", "SCALAR"}}};
+    gltf["materials"] = {{{"name", "wall"},
+                          {"pbrMetallicRoughness", {{"baseColorFactor", {options.albedo, options.albedo, options.albedo, 1}}, {"metallicFactor", 0}}},
+                          {"emissiveFactor", {options.emission, options.emission, options.emission}}}};
+    gltf["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", 0}, {"TEXCOORD_1", 1}}}, {"indices", 2}, {"material", 0}}}}}};
+    roots.push_back(gltf["nodes"].size());
+    gltf["nodes"].push_back({{"name", "room"}, {"mesh", 0}});
+  }
+  if (options.lamp_candela > 0) {
+    gltf["extensionsUsed"] = {"KHR_lights_punctual"};
+    gltf["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", options.lamp_candela}}};
+    roots.push_back(gltf["nodes"].size());
+    gltf["nodes"].push_back({{"name", "lamp"}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  }
+  gltf["scenes"] = {{{"nodes", roots}}};
+  if (roots.empty()) gltf["scenes"] = {json::object()}, gltf.erase("nodes");
+  return gltf.dump();
+}
+
+}  // namespace lightwell::test

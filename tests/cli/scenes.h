@@ -1,0 +1,18 @@
+// Small glTF scenes as text, with their data inside.
+#pragma once
+#include <string>
+
+namespace lightwell::test {
+
+struct RoomOptions {
+  double albedo = 0.5;
+  double emission = 0;         // radiance of every wall
+  double lamp_candela = 0;     // a point light in the middle; 0: none
+  bool surfaces = true;
+};
+
+/// A closed cube of 2 m around the origin, its fronts inward, with light-map coordinates (one chart per wall).
+/// In an atlas of 24 texels, or a multiple, charts end at texel borders: every covered texel has the same area.
+std::string roomGltf(const RoomOptions& options);
+
+}  // namespace lightwell::test
