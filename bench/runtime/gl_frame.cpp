@@ -1,0 +1,265 @@
+// What indirect light costs a frame on OpenGL and on the CPU, by layout and by the number of panes, beside the paper's way in the same run.
+//   gl_frame A.lwc [B.lwc …] [--repeats 15] [--json]
+// Wall clock until glFinish returns, medians; ratios are medians of those of frames drawn in turn. No window.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/gl_handles.h"
+#include "cli/runtime_handles.h"
+#include "format/encode/reader.h"
+#include "render/egl_context.h"
+#include "render/gl_objects.h"
+
+using namespace lightwell;
+using nlohmann::json;
+
+namespace {
+
+constexpr int kPaperPanes = 32;
+
+struct Options {
+  std::vector<std::filesystem::path> containers;
+  std::vector<uint32_t> brightest{8, 32, 64, 0};
+  int repeats = 15;
+  bool json = false;
+};
+
+/// Milliseconds of each of `frames` in each repetition. They take turns, so that what else the machine does hits all alike.
+std::vector<std::vector<double>> timeInTurn(int repeats, const std::vector<std::function<void()>>& frames) {
+  std::vector<std::vector<double>> milliseconds(frames.size());
+  for (int i = -2; i < repeats; ++i)
+    for (size_t f = 0; f < frames.size(); ++f) {
+      const auto begin = std::chrono::steady_clock::now();
+      frames[f]();
+      const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+      if (i >= 0) milliseconds[f].push_back(took.count());  // the first two rounds compile shaders and touch memory
+    }
+  return milliseconds;
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+double medianRatio(const std::vector<double>& above, const std::vector<double>& below) {
+  std::vector<double> ratios;
+  for (size_t i = 0; i < above.size(); ++i) ratios.push_back(above[i] / below[i]);
+  return median(ratios);
+}
+
+/// The paper's pass: an atlas of RGB9E5 panes, one layer each, summed with one weight per pane.
+class PaperPass {
+ public:
+  PaperPass(int width, int height)
+      : width_(width),
+        height_(height),
+        panes_(render::Texture::make()),
+        framebuffer_(render::Framebuffer::make()),
+        vertices_(render::VertexArray::make()),
+        target_(render::makeTexture2D(GL_RGBA16F, width, height, GL_RGBA, GL_FLOAT, nullptr, GL_LINEAR)),
+        program_("void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }",
+                 R"(uniform highp sampler2DArray u_panes;
+uniform vec3 u_weight[32];
+out vec4 o_irradiance;
+void main() {
+  ivec2 texel = ivec2(gl_FragCoord.xy);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < 32; ++i) sum += u_weight[i] * texelFetch(u_panes, ivec3(texel, i), 0).rgb;
+  o_irradiance = vec4(sum, 1.0);
+})") {
+    render::bindTexture(0, GL_TEXTURE_2D_ARRAY, panes_);
+    std::vector<uint32_t> texels(size_t(width) * height * kPaperPanes);
+    for (size_t i = 0; i < texels.size(); ++i) texels[i] = 0x80000000u | (uint32_t(i * 2654435761u) >> 5);  // exponent 16, mixed mantissas
+    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGB9_E5, width, height, kPaperPanes, 0, GL_RGB, GL_UNSIGNED_INT_5_9_9_9_REV, texels.data());
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, target_, 0);
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+      throw std::runtime_error("the framebuffer of the paper's pass is incomplete");
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  }
+  void draw() const {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+    glViewport(0, 0, width_, height_);
+    glBindVertexArray(vertices_);
+    program_.use();
+    render::bindTexture(0, GL_TEXTURE_2D_ARRAY, panes_);
+    program_.set("u_panes", 0);
+    for (int i = 0; i < kPaperPanes; ++i)
+      program_.set(("u_weight[" + std::to_string(i) + "]").c_str(), render::Float3{1.0f / float(i + 1), 0.5f, 0.25f});
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  }
+  uint64_t textureBytes() const { return uint64_t(width_) * height_ * (4 * kPaperPanes + 8); }
+
+ private:
+  int width_, height_;
+  render::Texture panes_;
+  render::Framebuffer framebuffer_;
+  render::VertexArray vertices_;
+  render::Texture target_;
+  render::Program program_;
+};
+
+/// A cube depth map in which nothing is in the way.
+render::Texture clearShadowCube() {
+  constexpr int kSize = 256;
+  render::Texture cube = render::Texture::make();
+  render::bindTexture(0, GL_TEXTURE_CUBE_MAP, cube);
+  const std::vector<float> far(size_t(kSize) * kSize, 1.0f);
+  for (int face = 0; face < 6; ++face)
+    glTexImage2D(GLenum(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face), 0, GL_DEPTH_COMPONENT32F, kSize, kSize, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
+                 far.data());
+  glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MAX_LEVEL, 0);
+  return cube;
+}
+
+/// Mean bytes that the last pass reads per covered texel: for panes and bases from the layout, the place of the texel (8) included.
+double bytesPerTexel(const format::Reader& reader, const lw_prm_info& info, uint32_t brightest) {
+  const double place = 8, emitters = info.has_emitter ? 4 : 0;
+  if (info.layout == LW_PRM_PANES) {
+    const double panes = brightest && brightest < info.clusters ? brightest : info.clusters;
+    return place + emitters + 4 * panes;
+  }
+  const auto first_texel = reader.read<uint32_t>("prm", "block_first_texel");
+  const auto rank = reader.read<uint8_t>("prm", "block_rank");
+  double bytes = 0;
+  for (size_t b = 0; b < rank.size(); ++b) bytes += double(first_texel[b + 1] - first_texel[b]) * (4 * ((rank[b] + 3) / 4));
+  return place + emitters + bytes / double(info.texels);
+}
+
+lw_light lampOf(const cli::RuntimeContainer& container) {
+  lw_scene_info scene;
+  container.check(lw_get_scene_info(container.get(), &scene));
+  lw_light light{};
+  light.type = LW_LIGHT_POINT;
+  for (int i = 0; i < 3; ++i) {
+    light.position_m[i] = 0.5f * (scene.bounds_min_m[i] + scene.bounds_max_m[i]);
+    light.direction[i] = i == 1 ? -1.0f : 0.0f;
+    light.intensity_rgb[i] = 1;
+  }
+  light.inner_cone_angle_rad = 0, light.outer_cone_angle_rad = 0.7853982f;
+  return light;
+}
+
+void measure(const Options& options, const std::filesystem::path& file, lw_gl* gl, json& rows) {
+  const cli::RuntimeContainer container(file);
+  const format::Reader reader(file);
+  const auto prm = container.loadPrm();
+  lw_prm_info info;
+  container.check(lw_prm_get_info(prm.get(), &info));
+  lw_gl_prm* raw = nullptr;
+  container.check(lw_gl_prm_create(gl, prm.get(), nullptr, &raw));
+  const cli::GlPrmHandle gl_prm(raw);
+  const render::Texture shadow = clearShadowCube();
+  lw_gl_light light = LW_GL_LIGHT_INIT;
+  light.light = lampOf(container);
+  light.shadow = LW_GL_SHADOW_CUBE;
+  light.shadow_texture = shadow;
+  const PaperPass paper(int(info.width), int(info.height));
+  std::vector<float> entry_rgb(size_t(info.entries) * 3), cluster_rgb(size_t(info.clusters) * 3),
+      atlas_rgba(size_t(info.width) * info.height * 4);
+  std::vector<float> scratch(lw_prm_scratch_bytes(prm.get()) / sizeof(float) + 1);
+
+  const bool panes = info.layout == LW_PRM_PANES;
+  const auto entries = timeInTurn(
+      options.repeats, {[&] {
+                          container.check(lw_gl_update_entries(gl_prm.get(), &light, 1));
+                          glFinish();
+                        },
+                        [&] {
+                          container.check(lw_prm_entry_irradiance(prm.get(), &light.light, 1, nullptr, nullptr, entry_rgb.data()));
+                          container.check(lw_prm_cluster_irradiance(prm.get(), entry_rgb.data(), cluster_rgb.data()));
+                        }});
+  for (const uint32_t brightest : panes ? options.brightest : std::vector<uint32_t>{0}) {
+    if (brightest >= info.clusters) continue;
+    lw_prm_options prm_options = LW_PRM_OPTIONS_INIT;
+    prm_options.brightest = brightest;
+    const auto evaluate =
+        timeInTurn(options.repeats, {[&] {
+                                       container.check(lw_gl_evaluate(gl_prm.get(), &prm_options));
+                                       glFinish();
+                                     },
+                                     [&] {
+                                       paper.draw();
+                                       glFinish();
+                                     },
+                                     [&] {
+                                       container.check(lw_prm_evaluate(prm.get(), cluster_rgb.data(), &prm_options, scratch.data(),
+                                                                       scratch.size() * sizeof(float), atlas_rgba.data()));
+                                     }});
+    const std::string what =
+        panes ? (brightest ? "brightest " + std::to_string(brightest) + " of " : "all ") + std::to_string(info.clusters) + " panes"
+              : "local bases";
+    rows.push_back({{"container", file.filename().string()},
+                    {"atlas", info.width},
+                    {"texels", info.texels},
+                    {"what", what},
+                    {"entries_gl_ms", median(entries[0])},
+                    {"evaluate_gl_ms", median(evaluate[0])},
+                    {"paper_32_panes_gl_ms", median(evaluate[1])},
+                    {"ratio_to_paper", medianRatio(evaluate[0], evaluate[1])},
+                    {"entries_cpu_ms", median(entries[1])},
+                    {"evaluate_cpu_ms", median(evaluate[2])},
+                    {"bytes_per_texel", bytesPerTexel(reader, info, brightest)},
+                    {"texture_bytes", lw_gl_prm_texture_bytes(gl_prm.get())},
+                    {"paper_texture_bytes", paper.textureBytes()}});
+    std::fprintf(stderr, "%s: %s\n", file.filename().c_str(), what.c_str());
+  }
+}
+
+void run(const Options& options) {
+  const render::EglContext context;
+  lw_gl_config config = LW_GL_CONFIG_INIT;
+  config.loader = render::EglContext::load;
+  lw_gl* raw = nullptr;
+  if (const lw_result result = lw_gl_create(&config, &raw))
+    throw std::runtime_error(std::string("lw_gl_create: ") + lw_result_name(result));
+  const cli::GlHandle gl(raw);
+  std::fprintf(stderr, "%s\n", context.description().c_str());
+  json rows = json::array();
+  for (const auto& file : options.containers) measure(options, file, gl.get(), rows);
+  if (options.json) {
+    std::printf("%s\n", json{{"renderer", context.description()}, {"rows", rows}}.dump(1).c_str());
+    return;
+  }
+  constexpr const char* kColumns[] = {"entries_gl_ms",   "evaluate_gl_ms",  "paper_32_panes_gl_ms", "ratio_to_paper",     "entries_cpu_ms",
+                                      "evaluate_cpu_ms", "bytes_per_texel", "texture_bytes",        "paper_texture_bytes"};
+  std::printf("container,what,atlas,texels");
+  for (const char* column : kColumns) std::printf(",%s", column);
+  for (const auto& row : rows) {
+    std::printf("\n\"%s\",\"%s\",%u,%u", row["container"].get_ref<const std::string&>().c_str(),
+                row["what"].get_ref<const std::string&>().c_str(), row["atlas"].get<uint32_t>(), row["texels"].get<uint32_t>());
+    for (const char* column : kColumns)
+      if (row[column].is_number_float())
+        std::printf(",%.3f", row[column].get<double>());
+      else
+        std::printf(",%llu", static_cast<unsigned long long>(row[column].get<uint64_t>()));
+  }
+  std::printf("\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("Milliseconds per frame of indirect light: CSV or JSON on stdout.", "gl_frame");
+  app.add_option("container", options.containers, "Containers to time")->required();
+  app.add_option("--brightest", options.brightest, "Panes: numbers of clusters to sum, 0 for all; may be given several times")
+      ->capture_default_str();
+  app.add_option("--repeats", options.repeats, "Frames; the median is reported")->check(CLI::Range(9, 10000))->capture_default_str();
+  app.add_flag("--json", options.json, "JSON instead of CSV");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(options);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "gl_frame: %s\n", error.what());
+    return 1;
+  }
+}
