@@ -78,6 +78,7 @@ json contentJson(const format::Reader& reader) {
                       {"texels", prm.texels()},
                       {"blocks", prm.blocks()},
                       {"max_rank", prm.max_rank()},
+                      {"groups", prm.groups()},
                       {"brightest", prm.brightest()},
                       {"has_emitter", prm.has_emitter()}};
   }

@@ -8,7 +8,7 @@
 namespace lightwell::bake {
 namespace {
 
-constexpr size_t kProbes = 8;
+constexpr size_t kProbes = 4;
 constexpr float kProbeHeight = 0.1f;  // above an entry point, of the diagonal of all of them
 
 /// Cluster irradiance under a point light above each of a few entry points, spread evenly over them.
@@ -71,7 +71,7 @@ std::vector<Integer> quantiseTransport(const transport::PrmLocalBases& bases, st
 
 /// Columns (rank, channel) of each block, down its links.
 template <class Integer>
-std::vector<Integer> quantiseCoefficients(const transport::PrmLocalBases& bases, std::vector<float>& scale, std::vector<float>& restored) {
+std::vector<Integer> quantiseCoefficients(const transport::PrmLocalBases& bases, int most, std::vector<float>& scale, std::vector<float>& restored) {
   std::vector<Integer> integers(bases.coefficient.size());
   restored.resize(integers.size());
   scale.clear();
@@ -85,7 +85,7 @@ std::vector<Integer> quantiseCoefficients(const transport::PrmLocalBases& bases,
         continue;
       }
       const size_t at = first + column;
-      scale.push_back(quantiseKeepingSum(&bases.coefficient[at], links, columns, &integers[at]));
+      scale.push_back(quantiseKeepingSum(&bases.coefficient[at], links, columns, &integers[at], most));
       for (size_t link = 0; link < links; ++link) restored[at + link * columns] = float(integers[at + link * columns]) * scale.back();
     }
     first += links * columns;
@@ -107,10 +107,11 @@ QuantisedBases quantiseBases(const transport::PrmResult& prm) {
     result.group_transport_u16 = quantiseTransport<uint16_t>(prm.bases, result.group_transport_scale, changed.bases.group_transport);
   }
   changed.bases.group_transport = prm.bases.group_transport;
-  result.coefficient_i8 = quantiseCoefficients<int8_t>(prm.bases, result.coefficient_scale, changed.bases.coefficient);
-  if (relativeChange(lightMaps(changed, probes), maps) > kMostCoefficientChange) {
+  result.coefficient_i8 = quantiseCoefficients<int8_t>(prm.bases, INT8_MAX, result.coefficient_scale, changed.bases.coefficient);
+  if (const double change = relativeChange(lightMaps(changed, probes), maps); change > kMostCoefficientChange) {
     result.coefficient_i8.clear();
-    result.coefficient_i16 = quantiseCoefficients<int16_t>(prm.bases, result.coefficient_scale, changed.bases.coefficient);
+    const double most = std::min(double(INT16_MAX), std::ceil(INT8_MAX * change / kWideCoefficientChange));  // the change is as the step
+    result.coefficient_i16 = quantiseCoefficients<int16_t>(prm.bases, int(most), result.coefficient_scale, changed.bases.coefficient);
   }
   return result;
 }
