@@ -2,7 +2,8 @@
 
 namespace lightwell::render {
 
-// `invariant`: the passes of the lights meet exactly the depth of the first pass.
+// `invariant`: the passes of the lights meet exactly the depth of the first pass. `centroid`: no multisampled pixel looks up the
+// light map beyond its triangle, where another chart may be.
 const char* const kSceneVertexGlsl = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -12,7 +13,7 @@ uniform mat4 view_projection;
 invariant gl_Position;
 out vec3 v_position;
 out vec3 v_normal;
-out vec2 v_lightmap_uv;
+centroid out vec2 v_lightmap_uv;
 out vec2 v_alpha_uv;
 void main() {
   gl_Position = view_projection * vec4(position, 1.0);
@@ -26,7 +27,7 @@ void main() {
 const char* const kAlphaGlsl = R"(
 in vec3 v_position;
 in vec3 v_normal;
-in vec2 v_lightmap_uv;
+centroid in vec2 v_lightmap_uv;
 in vec2 v_alpha_uv;
 uniform sampler2D alpha_texture;
 uniform float alpha_factor, alpha_cutoff, alpha_blend;
@@ -78,30 +79,38 @@ uniform float shadow_texel;   // of texture coordinates
 #endif
 out vec4 color;
 
-const float kKernelRadius = 2.6;
+const float kKernelRadius = 3.6;   // of its corners: two and a half texels each way
+
+// The penumbra lies wholly in the light: what is exactly at an edge is dark. Walls without thickness then leak no light at their corners.
+float withinLight(float lit) { return clamp(2.0 * lit - 1.0, 0.0, 1.0); }
 
 vec3 movedOff(vec3 position, vec3 geometric_normal, vec3 to_light, float texel_m) {
   float cosine = dot(geometric_normal, to_light);
-  return position + geometric_normal * (texel_m * (0.2 + kKernelRadius * sqrt(max(0.0, 1.0 - cosine * cosine))));
+  return position + geometric_normal * (texel_m * (0.5 + kKernelRadius * sqrt(max(0.0, 1.0 - cosine * cosine))));
 }
 
 #ifdef SHADOW_CUBE
+float largest(vec3 v) { return max(v.x, max(v.y, v.z)); }
+
 float visibility(vec3 geometric_normal) {
   vec3 offset = v_position - light.position_range.xyz;
   vec3 size = abs(offset);
-  float texel_m = texel_slope * max(size.x, max(size.y, size.z));
+  float texel_m = texel_slope * largest(size);
   offset = movedOff(v_position, geometric_normal, -normalize(offset), texel_m) - light.position_range.xyz;
   size = abs(offset);
-  float z = max(size.x, max(size.y, size.z));
+  float z = largest(size);
   if (z >= shadow_planes.y) return 1.0;
-  float depth = shadow_planes.y / (shadow_planes.y - shadow_planes.x) * (1.0 - shadow_planes.x / z) - depth_bias;
   vec3 side = size.x >= z ? vec3(0, 1, 0) : vec3(1, 0, 0);
   vec3 other = size.z >= z ? vec3(0, 1, 0) : vec3(0, 0, 1);
   float lit = 0.0;
   for (int y = 0; y < 4; ++y)
-    for (int x = 0; x < 4; ++x)
-      lit += texture(shadow_map, vec4(offset + (side * (float(x) - 1.5) + other * (float(y) - 1.5)) * texel_m, depth));
-  return lit / 16.0;
+    for (int x = 0; x < 4; ++x) {
+      // A tap may fall on the neighbouring face, whose depth is along another axis.
+      vec3 tap = offset + (side * (float(x) - 1.5) + other * (float(y) - 1.5)) * texel_m;
+      float depth = shadow_planes.y / (shadow_planes.y - shadow_planes.x) * (1.0 - shadow_planes.x / largest(abs(tap)));
+      lit += texture(shadow_map, vec4(tap, depth - depth_bias));
+    }
+  return withinLight(lit / 16.0);
 }
 #else
 float visibility(vec3 geometric_normal) {
@@ -117,7 +126,7 @@ float visibility(vec3 geometric_normal) {
   for (int y = 0; y < 4; ++y)
     for (int x = 0; x < 4; ++x)
       lit += texture(shadow_map, vec3(coordinate.xy + (vec2(float(x), float(y)) - 1.5) * shadow_texel, coordinate.z));
-  return lit / 16.0;
+  return withinLight(lit / 16.0);
 }
 #endif
 

@@ -10,13 +10,15 @@ namespace lightwell::render {
 namespace {
 
 constexpr float kPi = 3.14159265f;
+// Entry points are looked up with one filtered tap: moved by so many texels, none is shadowed by its own surface.
+constexpr float kEntryOffset = 1.5f;
 // A wider spot would waste its map on the rim; it gets a cube.
 constexpr float kWidestSpot = 65 * kPi / 180;
 
-/// Texels per side, so that all maps together stay below about a quarter of a gigabyte.
+/// Texels per side, so that all maps together stay below about a quarter of a gigabyte for a hundred lights.
 int resolutionFor(size_t light_count, uint32_t shadow) {
   const int cube = light_count <= 4 ? 1024 : light_count <= 16 ? 512 : 256;
-  return shadow == LW_GL_SHADOW_CUBE ? cube : 2 * cube;
+  return shadow == LW_GL_SHADOW_CUBE ? cube : light_count <= 4 ? 4 * cube : 2 * cube;
 }
 
 uint32_t shadowKind(const lw_light& light) {
@@ -82,11 +84,9 @@ ShadowMap ShadowMaps::render(const lw_light& light, int resolution) const {
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  glEnable(GL_POLYGON_OFFSET_FILL);
-  glPolygonOffset(1.0f, 2.0f);
+  glDisable(GL_POLYGON_OFFSET_FILL);  // pushed back, a wall would leak light into the corner behind it
   if (cube) renderCube(map);
   else render2D(map);
-  glDisable(GL_POLYGON_OFFSET_FILL);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(previous));
   return map;
 }
@@ -100,7 +100,7 @@ void ShadowMaps::renderCube(ShadowMap& map) const {
   map.texel_slope = 2.0f / float(map.resolution);
   // Depth is not linear: a bias that is right near the light hides contacts far from it. The offset along the normal does the work.
   map.light.depth_bias = 1e-6f;
-  map.light.normal_offset_m = map.texel_slope * 0.25f * mesh_.diagonal_m();
+  map.light.normal_offset_m = kEntryOffset * map.texel_slope * 0.5f * mesh_.diagonal_m();
   const Matrix4 projection = perspective(1, 1, map.light.near_m, map.light.far_m);
   for (size_t face = 0; face < 6; ++face) {
     glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GLenum(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face), map.texture, 0);
@@ -119,13 +119,13 @@ void ShadowMaps::render2D(ShadowMap& map) const {
     map.light.far_m = std::max(1.05f * mesh_.farthest_m(eye), 2 * near);
     map.texel_slope = 2 * slope / float(map.resolution);
     map.light.depth_bias = 1e-6f;
-    map.light.normal_offset_m = map.texel_slope * 0.25f * mesh_.diagonal_m();
+    map.light.normal_offset_m = kEntryOffset * map.texel_slope * 0.5f * mesh_.diagonal_m();
     view_projection = perspective(slope, slope, near, map.light.far_m) * lookAlong(eye, forward, up);
   } else {
     const float radius = 0.51f * mesh_.diagonal_m();
     map.texel_slope = 2 * radius / float(map.resolution);
     map.light.depth_bias = 1e-5f;
-    map.light.normal_offset_m = map.texel_slope;
+    map.light.normal_offset_m = kEntryOffset * map.texel_slope;
     view_projection = orthographic(radius, radius, 0, 2 * radius) * lookAlong(mesh_.center_m() - forward * radius, forward, up);
   }
   std::copy(view_projection.begin(), view_projection.end(), map.light.shadow_matrix);

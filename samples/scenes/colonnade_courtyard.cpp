@@ -55,6 +55,21 @@ SampleScene makeColonnadeCourtyard() {
   grid.build(building);
   stitch(building);
 
+  // Walls and roof have a thickness, so that nothing depends on how exactly a viewer's shadow map ends at their edges.
+  Node& outside = scene.nodes.emplace_back();
+  outside.name = "outside";
+  const float outer = walls + 0.35f, eaves = outer + 0.3f, roof_inner = row_inner + 0.25f, roof_bottom = soffit + 0.5f;
+  const Vec3 corners[] = {{-outer, 0, outer}, {outer, 0, outer}, {outer, 0, -outer}, {-outer, 0, -outer}, {-outer, 0, outer}};
+  const Vec3 up(0, roof_bottom, 0);
+  for (int side = 0; side < 4; ++side)
+    addQuad(outside, ochre, corners[side], corners[side + 1], corners[side + 1] + up, corners[side] + up);
+  const float middle = (roof_inner + eaves) / 2, depth = eaves - roof_inner, roof_y = (roof_bottom + parapet) / 2;
+  for (const float side : {-1.0f, 1.0f}) {
+    addBox(outside, terracotta, {0, roof_y, side * middle}, {2 * eaves, parapet - roof_bottom, depth}, 0, true);
+    addBox(outside, terracotta, {side * middle, roof_y, 0}, {depth, parapet - roof_bottom, 2 * (roof_inner - 0.01f)}, 0, true);
+  }
+  stitch(outside);
+
   Node& fountain = scene.nodes.emplace_back();
   fountain.name = "fountain";
   // The basin's outside, rim, inside and bottom meet at sharp edges; a stem carries a bowl.
