@@ -8,12 +8,13 @@
 
 namespace lightwell::bake {
 
-/// Quantises `count` values that lie `stride` apart to integers of at most `most` (and at least −most, or 0 when unsigned) times the returned step;
-/// `integers` has the same layout. What rounding takes from one value is carried to the next (error diffusion), so that every run of values keeps its
-/// sum within a step: light is neither lost nor made, however many small values there are. Zeros stay zero, and with an unsigned Integer (for values
-/// ≥ 0) nothing becomes negative.
+/// Quantises `count` values that lie `stride` apart to integers of at most `most` (and at least −most, or 0 when unsigned) times the
+/// returned step; `integers` has the same layout. What rounding takes from one value is carried to the next (error diffusion), so that
+/// every run of values keeps its sum within a step: light is neither lost nor made, however many small values there are. Zeros stay zero,
+/// and with an unsigned Integer (for values ≥ 0) nothing becomes negative.
 template <class Integer>
-float quantiseKeepingSum(const float* values, size_t count, size_t stride, Integer* integers, int most = std::numeric_limits<Integer>::max()) {
+float quantiseKeepingSum(const float* values, size_t count, size_t stride, Integer* integers,
+                         int most = std::numeric_limits<Integer>::max()) {
   const double least = std::is_signed_v<Integer> ? -most : 0;
   float largest = 0;
   for (size_t i = 0; i < count; ++i) largest = std::max(largest, std::abs(values[i * stride]));

@@ -71,7 +71,8 @@ std::vector<Integer> quantiseTransport(const transport::PrmLocalBases& bases, st
 
 /// Columns (rank, channel) of each block, down its links.
 template <class Integer>
-std::vector<Integer> quantiseCoefficients(const transport::PrmLocalBases& bases, int most, std::vector<float>& scale, std::vector<float>& restored) {
+std::vector<Integer> quantiseCoefficients(const transport::PrmLocalBases& bases, int most, std::vector<float>& scale,
+                                          std::vector<float>& restored) {
   std::vector<Integer> integers(bases.coefficient.size());
   restored.resize(integers.size());
   scale.clear();

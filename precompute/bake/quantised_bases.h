@@ -16,10 +16,10 @@ struct QuantisedBases {
   std::vector<int16_t> coefficient_i16;
 };
 
-/// Eight bits where that changes light maps little, else sixteen: measured by evaluating the map under a few unshadowed point lights above its entry
-/// points, as the rms of the change over the rms of the light. Eight bits may change it by kMostTransportChange for the group transport, by
-/// kMostCoefficientChange for coefficients. Sixteen bits of coefficients are not all used: the step is that which changes the light maps by about
-/// kWideCoefficientChange, since finer steps are noise that does not compress.
+/// Eight bits where that changes light maps little, else sixteen: measured by evaluating the map under a few unshadowed point lights above
+/// its entry points, as the rms of the change over the rms of the light. Eight bits may change it by kMostTransportChange for the group
+/// transport, by kMostCoefficientChange for coefficients. Sixteen bits of coefficients are not all used: the step is that which changes
+/// the light maps by about kWideCoefficientChange, since finer steps are noise that does not compress.
 QuantisedBases quantiseBases(const transport::PrmResult& prm);
 inline constexpr double kMostTransportChange = 0.001, kMostCoefficientChange = 0.003, kWideCoefficientChange = 0.001;
 

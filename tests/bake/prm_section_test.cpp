@@ -161,7 +161,8 @@ class PrmSection : public testing::Test {
 };
 
 TEST_F(PrmSection, IsSound) {
-  for (const auto& issue : format::verify(format::memorySource(container.data(), container.size()))) ADD_FAILURE() << issue.place << ": " << issue.message;
+  for (const auto& issue : format::verify(format::memorySource(container.data(), container.size())))
+    ADD_FAILURE() << issue.place << ": " << issue.message;
 }
 
 TEST_F(PrmSection, GivesTheBakesLight) {

@@ -40,7 +40,8 @@ inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505, kTriangles = 0x0004, 
                       kTextureBinding2dArray = 0x8C1D, kRgb9e5 = 0x8C3D, kUnsignedInt5999Rev = 0x8C3E, kRasterizerDiscard = 0x8C89,
                       kReadFramebuffer = 0x8CA8, kDrawFramebuffer = 0x8CA9, kDrawFramebufferBinding = 0x8CA6,
                       kReadFramebufferBinding = 0x8CAA, kFramebufferComplete = 0x8CD5, kColorAttachment0 = 0x8CE0, kRgba32ui = 0x8D70,
-                      kRgb16ui = 0x8D77, kRgb8ui = 0x8D7D, kRgb16i = 0x8D89, kRgb8i = 0x8D8F, kRedInteger = 0x8D94, kRgbInteger = 0x8D98, kRgbaInteger = 0x8D99,
+                      kRgb16ui = 0x8D77, kRgb8ui = 0x8D7D, kRgb16i = 0x8D89, kRgb8i = 0x8D8F,
+                      kRedInteger = 0x8D94, kRgbInteger = 0x8D98, kRgbaInteger = 0x8D99,
                       kRgba8Snorm = 0x8F97, kColor = 0x1800, kFrontAndBack = 0x0408;
 
 // X(return type, name without "gl", parameters)

@@ -22,8 +22,8 @@ struct lw_gl_prm {
   uint32_t current_entry = 0;
   Target cluster;                             // mean irradiance, contribution
 
-  // RG32UI, width × height: what a texel shows. Panes: index of the value, 0. Local bases: address of the basis, block. 0xffffffff: nothing.
-  // The highest bit of the second is set where it is another texel's value.
+  // RG32UI, width × height: what a texel shows. Panes: index of the value, 0. Local bases: address of the basis, block. 0xffffffff:
+  // nothing. The highest bit of the second is set where it is another texel's value.
   Name texel_map = 0;
   Name buried = 0;                            // RGBA32UI list; see kOwnValue
   uint32_t buried_count = 0;

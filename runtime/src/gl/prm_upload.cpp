@@ -278,7 +278,8 @@ void lw_gl_prm_destroy(lw_gl_prm* prm) {
     gl::destroyTarget(api, *target);
   for (const gl::Name name :
        {prm->entry_position, prm->entry_normal, prm->cluster_range, prm->pane_sum, prm->texel_map, prm->emitter_direct,
-        prm->emitter_indirect, prm->pane, prm->buried, prm->cluster_group, prm->group_transport, prm->group_scale, prm->block, prm->link, prm->coefficient, prm->scale, prm->basis})
+        prm->emitter_indirect, prm->pane, prm->buried, prm->cluster_group, prm->group_transport, prm->group_scale, prm->block,
+        prm->link, prm->coefficient, prm->scale, prm->basis})
     if (name) api.DeleteTextures(1, &name);
   destroyHandle(prm);
 }

@@ -11,6 +11,7 @@ extern const char kAddress[];     // lwAddress, lwPixel, lwIndex
 extern const char kVertex[];      // one triangle over everything
 extern const char kLight[], kAtlas[], kLocalBases[];  // public snippets
 extern const char kOwnValue[];    // lwEntry, lwEmitted: what a texel shows, and what buried texels have themselves
-extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kGroups[], kTotals[], kCoefficients[], kReconstruct[];  // fragment shaders
+// Fragment shaders.
+extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kGroups[], kTotals[], kCoefficients[], kReconstruct[];
 
 }  // namespace lightwell::runtime::gl::glsl
