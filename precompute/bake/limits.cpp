@@ -10,10 +10,8 @@ using Clock = std::chrono::steady_clock;
 /// A better quality is begun only if this many times the last one's duration still fits before the deadline.
 constexpr double kNextQualityCost = 2.0;
 
-uint32_t testLights(plan::Quality quality, bool needed) {
-  if (quality == plan::Quality::production) return 8;
-  return quality == plan::Quality::preview || needed ? 4 : 0;
-}
+/// Errors differ much from light to light, by its distance to the nearest surface: fewer would make their median a matter of luck.
+constexpr uint32_t kTestLights = 16;
 
 class Attempts {
  public:
@@ -25,7 +23,7 @@ class Attempts {
   void run(const plan::Settings& settings, bool time_limited, Clock::time_point deadline) {
     const BakeGraph graph = makeBakeGraph(context_, {.settings = settings,
                                                      .warnings = warnings_,
-                                                     .test_lights = testLights(settings.quality, limits_.target_error.has_value()),
+                                                     .test_lights = settings.quality != plan::Quality::draft || limits_.target_error ? kTestLights : 0,
                                                      .time_limited = time_limited});
     RunOptions options = options_;
     options.deadline = deadline;

@@ -1,6 +1,7 @@
 #include "precompute/bake/prm_tasks.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace lightwell::bake {
@@ -12,7 +13,10 @@ constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048
 /// Every setting that some stage's bytes depend on.
 std::string parametersOf(const BakeContext& context, const transport::PrmSettings& s) {
   std::string text = context.surfaceKey().hex();
-  const auto add = [&](auto value) { text.append(1, ' ').append(std::to_string(value)); };
+  const auto add = [&](auto value) {
+    if constexpr (std::is_same_v<decltype(value), float>) return void(text.append(1, ' ').append(std::to_string(std::bit_cast<uint32_t>(value))));
+    text.append(1, ' ').append(std::to_string(value));
+  };
   add(int(s.layout)), add(int(s.estimator));
   add(s.entries.clusters), add(s.entries.groups), add(s.entries.points_per_cluster), add(s.entries.points_per_group);
   add(s.bases.block_texels), add(s.bases.most_rank), add(s.bases.rank_error), add(s.bases.link_error), add(s.bases.rays);

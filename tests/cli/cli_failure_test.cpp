@@ -112,6 +112,12 @@ TEST_F(CliFailureTest, EvaluatingWhatIsNotThereIs2) {
   expectFailure({"evaluate", path("o.lwc"), "--technique", "vpl", "-o", path("e.exr")}, 2, "vpl");
 }
 
+TEST_F(CliFailureTest, SizeLimitThatNothingMeetsIs2) {
+  expectFailure({"bake", path("room.gltf"), "-o", path("o.lwc"), "--lightmap-size", "12", "--quality", "draft", "--size-limit", "100"}, 2,
+                "smallest container");
+  EXPECT_FALSE(std::filesystem::exists(path("o.lwc")));
+}
+
 TEST_F(CliFailureTest, FailedBakeKeepsTheOldContainer) {
   writeFile(path("o.lwc"), "old");
   writeFile(path("bad.glb"), "nonsense");

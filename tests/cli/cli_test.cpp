@@ -144,6 +144,29 @@ TEST_F(CliTest, CacheReusesWhatHasNotChanged) {
   EXPECT_GT(again({"--seed", "5"})["tasks_run"], 3);
 }
 
+TEST_F(CliTest, LimitsAreKept) {
+  const auto bakeWith = [&](const std::vector<std::string>& limits) {
+    std::vector<std::string> arguments{"bake", path("lamp.gltf"), "-o", path("o.lwc"), "--lightmap-size", "24", "--json"};
+    arguments.insert(arguments.end(), limits.begin(), limits.end());
+    return runJson(arguments, "bake");
+  };
+  const json free = bakeWith({"--quality", "draft"});
+  EXPECT_FALSE(free["time_limited"]);
+  const uint64_t limit = free["bytes"].get<uint64_t>() * 9 / 10;
+  const json small = bakeWith({"--quality", "draft", "--size-limit", std::to_string(limit)});
+  EXPECT_LE(small["bytes"], limit);
+  EXPECT_LT(small["settings"]["refinement"], 0);
+
+  const json hasty = bakeWith({"--quality", "production", "--time-limit", "0"});
+  EXPECT_TRUE(hasty["time_limited"]);
+  EXPECT_EQ(hasty["settings"]["quality"], "draft");
+  EXPECT_TRUE(runJson({"info", path("o.lwc"), "--json"}, "info")["provenance"]["time_limited"]);
+
+  const json measured = bakeWith({"--quality", "draft", "--target-error", "9"});
+  EXPECT_EQ(measured["settings"]["refinement"], 0) << "nothing to refine";
+  EXPECT_LT(measured["error"][0]["relrmse"], 9);
+}
+
 TEST_F(CliTest, SceneWithoutSurfacesIsAValidContainer) {
   const json report = runJson({"bake", path("empty.gltf"), "-o", path("o.lwc"), "--json"}, "bake");
   std::vector<std::string> omitted;
