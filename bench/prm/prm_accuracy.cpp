@@ -11,7 +11,7 @@
 #include "format/encode/reader.h"
 #include "precompute/bake/context.h"
 #include "precompute/core/random.h"
-#include "precompute/transport/compare.h"
+#include "precompute/transport/pooled_error.h"
 #include "precompute/transport/prm/light_prior.h"
 #include "precompute/transport/reference/reference.h"
 
@@ -20,13 +20,14 @@ using nlohmann::json;
 
 namespace {
 
+constexpr uint64_t kReferences = 4;                                               // independent path-traced maps; see pooled_error.h
 constexpr uint64_t kLightKey = 0x68756e64726564ull, kTexelKey = 0x746578656cull;  // apart from the keys of any bake
 
 struct Options {
   std::filesystem::path scene;
   std::vector<std::filesystem::path> containers;
   std::vector<uint32_t> brightest;
-  uint32_t lights = 100, samples = 64, texels = 1024;
+  uint32_t lights = 100, samples = 128, texels = 1024;
   uint64_t seed = 1;
   int threads = 0;
   bool json = false;
@@ -37,7 +38,7 @@ struct Candidate {
   std::string container, variant;
   size_t evaluator;
   uint32_t brightest = 0, keep_energy = 1;
-  std::vector<transport::MapError> errors;
+  std::vector<transport::PooledError> errors;
 };
 
 struct TestLight {
@@ -73,12 +74,6 @@ std::vector<uint32_t> sampleSlots(size_t slots, uint32_t count, uint64_t seed) {
   chosen.resize(count);
   std::sort(chosen.begin(), chosen.end());
   return chosen;
-}
-
-ImageRgba imageOf(const std::vector<Rgb>& values) {
-  ImageRgba image{int(values.size()), 1, {}};
-  for (const auto& value : values) image.pixels.push_back({value.x, value.y, value.z, 1.0f});
-  return image;
 }
 
 /// The settings that the container was baked with; its texels are those of the scene's atlas under the same settings.
@@ -190,27 +185,26 @@ void run(const Options& options) {
   for (size_t i = 0; i < lights.size(); ++i) {
     console.progress("lights", "light " + std::to_string(i + 1) + " of " + std::to_string(lights.size()));
     const std::vector<scene::Light> light{lights[i].prior.light};
-    std::vector<Rgb> references_rgb[2];
-    for (const uint64_t half : {0, 1}) {
+    std::vector<std::vector<Rgb>> references_rgb;
+    for (uint64_t k = 0; k < kReferences; ++k) {
       transport::ReferenceOptions reference{.samples = options.samples, .threads = options.threads};
-      reference.seed = combineKeys(combineKeys(options.seed, kLightKey), half);
-      references_rgb[half] =
-          transport::referenceIrradianceOf(slots, dark, atlas, tracer, light, transport::Component::indirect, reference).irradiance_rgb;
-      for (const auto& value : references_rgb[half]) lights[i].mean_irradiance += luminance(value) / (2.0 * double(slots.size()));
+      reference.seed = combineKeys(combineKeys(options.seed, kLightKey), k);
+      references_rgb.push_back(
+          transport::referenceIrradianceOf(slots, dark, atlas, tracer, light, transport::Component::indirect, reference).irradiance_rgb);
+      for (const auto& value : references_rgb[k]) lights[i].mean_irradiance += luminance(value) / (kReferences * double(slots.size()));
     }
-    const ImageRgba first = imageOf(references_rgb[0]), second = imageOf(references_rgb[1]);
     std::vector<std::vector<float>> cluster_rgb;
     for (const auto& evaluator : evaluators) cluster_rgb.push_back(evaluator.clusterIrradiance(context.scene(), tracer, light));
     for (auto& candidate : candidates) {
       lw_prm_options prm = LW_PRM_OPTIONS_INIT;
       prm.brightest = candidate.brightest, prm.keep_energy = candidate.keep_energy, prm.emitters = LW_EMITTERS_OFF, prm.fill = 0;
       const auto atlas_rgba = evaluators[candidate.evaluator].evaluate(cluster_rgb[candidate.evaluator], prm);
-      ImageRgba image{int(slots.size()), 1, {}};
-      for (const uint32_t slot : slots) {
+      std::vector<Rgb> values;
+      for (const uint32_t slot : slots) {  // a texel without a value is as dark as the runtime shows it
         const float* value = &atlas_rgba[size_t(atlas.slots[slot].texel) * 4];
-        image.pixels.push_back({value[0], value[1], value[2], 1.0f});  // a texel without a value is as dark as the runtime shows it
+        values.emplace_back(value[0], value[1], value[2]);
       }
-      candidate.errors.push_back(transport::compareMaps(first, image, &second));
+      candidate.errors.push_back(transport::compareWithReferences(references_rgb, values));
     }
   }
 
@@ -223,7 +217,8 @@ void run(const Options& options) {
     for (const auto& band : kBands) rows.push_back(rowOf(candidate, lights, band));
   console.line(std::to_string(std::count_if(lights.begin(), lights.end(), [](const auto& l) { return l.sealed; })) + " of " +
                std::to_string(lights.size()) + " lights are in sealed pockets and left out; " + std::to_string(slots.size()) + " of " +
-               std::to_string(atlas.slots.size()) + " texels, 2 x " + std::to_string(options.samples) + " paths each");
+               std::to_string(atlas.slots.size()) + " texels, " + std::to_string(kReferences) + " x " + std::to_string(options.samples) +
+               " paths each");
   if (!options.json) return printCsv(rows);
   std::printf("%s\n", json{{"texels", slots.size()},
                            {"samples", options.samples},
@@ -244,7 +239,7 @@ int main(int argc, char** argv) {
   app.add_option("--brightest", options.brightest, "Panes: also with the K brightest clusters only; may be given several times")
       ->check(CLI::Range(1u, 1u << 20));
   app.add_option("--lights", options.lights, "Test lights")->check(CLI::Range(1u, 100000u))->capture_default_str();
-  app.add_option("--samples", options.samples, "Paths per texel in each of the two references")
+  app.add_option("--samples", options.samples, "Paths per texel in each of the four references")
       ->check(CLI::Range(1u, 1u << 20))
       ->capture_default_str();
   app.add_option("--texels", options.texels, "Texels compared, chosen at random; 0: all")->capture_default_str();

@@ -133,6 +133,14 @@ double bytesPerTexel(const format::Reader& reader, const lw_prm_info& info, uint
   return place + emitters + bytes / double(info.texels);
 }
 
+/// Mean bytes per covered texel that the passes before it read and all texels of a block or of the atlas share.
+double sharedBytesPerTexel(const format::Reader& reader, const lw_prm_info& info) {
+  double bytes = 0;
+  if (info.layout == LW_PRM_LOCAL_BASES)
+    for (const char* chunk : {"group_transport", "link_cluster", "coefficient"}) bytes += double(reader.chunk("prm", chunk).raw_bytes);
+  return bytes / double(info.texels);
+}
+
 lw_light lampOf(const cli::RuntimeContainer& container) {
   lw_scene_info scene;
   container.check(lw_get_scene_info(container.get(), &scene));
@@ -192,6 +200,10 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
                                      [&] {
                                        container.check(lw_prm_evaluate(prm.get(), cluster_rgb.data(), &prm_options, scratch.data(),
                                                                        scratch.size() * sizeof(float), atlas_rgba.data()));
+                                     },
+                                     [&] {
+                                       if (!panes) container.check(lw_gl_update_coefficients(gl_prm.get()));
+                                       glFinish();
                                      }});
     const std::string what =
         panes ? (brightest ? "brightest " + std::to_string(brightest) + " of " : "all ") + std::to_string(info.clusters) + " panes"
@@ -202,11 +214,13 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
                     {"what", what},
                     {"entries_gl_ms", median(entries[0])},
                     {"evaluate_gl_ms", median(evaluate[0])},
+                    {"coefficients_gl_ms", panes ? 0.0 : median(evaluate[3])},
                     {"paper_32_panes_gl_ms", median(evaluate[1])},
                     {"ratio_to_paper", medianRatio(evaluate[0], evaluate[1])},
                     {"entries_cpu_ms", median(entries[1])},
                     {"evaluate_cpu_ms", median(evaluate[2])},
                     {"bytes_per_texel", bytesPerTexel(reader, info, brightest)},
+                    {"shared_bytes_per_texel", sharedBytesPerTexel(reader, info)},
                     {"texture_bytes", lw_gl_prm_texture_bytes(gl_prm.get())},
                     {"paper_texture_bytes", paper.textureBytes()}});
     std::fprintf(stderr, "%s: %s\n", file.filename().c_str(), what.c_str());
@@ -228,8 +242,9 @@ void run(const Options& options) {
     std::printf("%s\n", json{{"renderer", context.description()}, {"rows", rows}}.dump(1).c_str());
     return;
   }
-  constexpr const char* kColumns[] = {"entries_gl_ms",   "evaluate_gl_ms",  "paper_32_panes_gl_ms", "ratio_to_paper",     "entries_cpu_ms",
-                                      "evaluate_cpu_ms", "bytes_per_texel", "texture_bytes",        "paper_texture_bytes"};
+  constexpr const char* kColumns[] = {"entries_gl_ms",          "evaluate_gl_ms", "coefficients_gl_ms", "paper_32_panes_gl_ms",
+                                      "ratio_to_paper",         "entries_cpu_ms", "evaluate_cpu_ms",    "bytes_per_texel",
+                                      "shared_bytes_per_texel", "texture_bytes",  "paper_texture_bytes"};
   std::printf("container,what,atlas,texels");
   for (const char* column : kColumns) std::printf(",%s", column);
   for (const auto& row : rows) {

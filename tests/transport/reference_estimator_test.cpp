@@ -50,6 +50,10 @@ TEST(Reference, IsTheSameForAnyThreadsAndAnySplitIntoRanges) {
       joined.irradiance_rgb.insert(joined.irradiance_rgb.end(), part.irradiance_rgb.begin(), part.irradiance_rgb.end());
     }
     EXPECT_EQ(joined.irradiance_rgb, expected.irradiance_rgb);
+    const std::vector<uint32_t> chosen{41, 3, 40};
+    const IrradianceMap few = referenceIrradianceOf(chosen, scene, atlas, tracer, scene.lights, Component::total, options);
+    ASSERT_EQ(few.irradiance_rgb.size(), chosen.size());
+    for (size_t i = 0; i < chosen.size(); ++i) EXPECT_EQ(few.irradiance_rgb[i], expected.irradiance_rgb[chosen[i]]);
     options.seed = 2;
     EXPECT_NE(referenceIrradiance(scene, atlas, tracer, scene.lights, Component::total, options).irradiance_rgb, expected.irradiance_rgb);
   }
