@@ -88,7 +88,8 @@ json jsonOf(const bake::Outcome& outcome, const Report& report, const Options& o
   for (const char* key : {"sections", "omitted", "phases", "warnings"}) document[key] = json::array();
   if (!report.errors.empty()) document["error"] = json::array();
   for (const auto& e : report.errors)
-    document["error"].push_back({{"section", e.section()}, {"relrmse", e.relrmse()}, {"texrel", e.texrel()}, {"bias", e.bias()}, {"against", e.against()}});
+    document["error"].push_back(
+        {{"section", e.section()}, {"relrmse", e.relrmse()}, {"texrel", e.texrel()}, {"bias", e.bias()}, {"against", e.against()}});
   for (const auto& s : report.sections)
     document["sections"].push_back({{"type", s.type}, {"stored_bytes", s.stored_bytes}, {"raw_bytes", s.raw_bytes}});
   for (const auto& o : outcome.omitted) document["omitted"].push_back({{"type", o.type}, {"reason", o.reason}});
@@ -98,17 +99,19 @@ json jsonOf(const bake::Outcome& outcome, const Report& report, const Options& o
 }
 
 void summarise(Console& console, const bake::Outcome& outcome, const Report& report, const Options& options) {
-  std::string line = options.output.string() + ": " + formatBytes(double(outcome.container->size())) + " in " + formatDuration(report.seconds);
+  std::string line =
+      options.output.string() + ": " + formatBytes(double(outcome.container->size())) + " in " + formatDuration(report.seconds);
   if (report.rays) line += ", " + formatCount(double(report.rays)) + " rays";
   if (outcome.tasks_reused) line += ", " + std::to_string(outcome.tasks_reused) + " results reused";
   if (outcome.time_limited) line += ", cut to quality " + std::string(plan::name(outcome.settings.quality)) + " by the time limit";
   console.line(line);
   for (const auto& s : report.sections)
-    console.line("  " + s.type + std::string(s.type.size() < 10 ? 10 - s.type.size() : 0, ' ') + formatBytes(double(s.stored_bytes)) + " (" +
-                 formatBytes(double(s.raw_bytes)) + " decoded)");
+    console.line("  " + s.type + std::string(s.type.size() < 10 ? 10 - s.type.size() : 0, ' ') + formatBytes(double(s.stored_bytes)) +
+                 " (" + formatBytes(double(s.raw_bytes)) + " decoded)");
   for (const auto& e : report.errors) {
     char text[128];
-    std::snprintf(text, sizeof text, ": relrmse %.2g %%, texrel %.2g %%, bias %+.2g %% (", 100 * e.relrmse(), 100 * e.texrel(), 100 * e.bias());
+    std::snprintf(text, sizeof text, ": relrmse %.2g %%, texrel %.2g %%, bias %+.2g %% (", 100 * e.relrmse(), 100 * e.texrel(),
+                  100 * e.bias());
     console.line("  error of " + e.section() + text + e.against() + ")");
   }
   for (const auto& o : outcome.omitted) console.line("  without " + o.type + ": " + o.reason);
@@ -143,7 +146,8 @@ void run(Session& session, Options& options) {
   const auto store = openStore(options, run_diagnostics);
   bake::Limits limits{.deadline = {}, .target_error = options.target_error, .size_limit_bytes = options.size_limit_bytes};
   if (options.time_limit_s)
-    limits.deadline = begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(*options.time_limit_s));
+    limits.deadline =
+        begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(*options.time_limit_s));
 
   const bake::BakeContext context(options.source, options.settings, options.threads, diagnostics, cancel,
                                   [&](const std::string& stage) { console.progress(stage, stage + " …"); });
@@ -151,8 +155,9 @@ void run(Session& session, Options& options) {
   for (const auto& warning : scene_warnings) console.warning(warning);
   bake::ThreadExecutor executor(options.threads);
   const auto progress = [&](const bake::Progress& p) { console.progress(p.phase, progressLine(p, raysOf(context))); };
-  const bake::Outcome outcome = bake::bakeWithin(context, limits, scene_warnings, run_diagnostics, executor, *store,
-                                                 {.cancel = &cancel, .progress = progress}, [&](const std::string& text) { console.line(text); });
+  const bake::Outcome outcome =
+      bake::bakeWithin(context, limits, scene_warnings, run_diagnostics, executor, *store, {.cancel = &cancel, .progress = progress},
+                       [&](const std::string& text) { console.line(text); });
   writeOutput(session, options.output, [&] { format::writeFileAtomically(options.output, *outcome.container); });
 
   Report report;
@@ -180,7 +185,8 @@ void addBake(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand("bake", "Precompute the light transport of a scene into a container");
   command->add_option("scene", options->source.scene, "glTF 2.0 scene, .glb or .gltf")->required()->type_name("SCENE");
   addOutput(*command, options->output, "Container to write; an existing one is replaced only when the bake is done");
-  command->add_option("--techniques", options->techniques, "What to bake: auto (what the scene can use), or a comma-separated list; now: prm")
+  command
+      ->add_option("--techniques", options->techniques, "What to bake: auto (what the scene can use), or a comma-separated list; now: prm")
       ->type_name("LIST")
       ->capture_default_str();
   addSceneSettings(*command, options->settings);
@@ -188,7 +194,9 @@ void addBake(CLI::App& app, Session& session) {
       ->type_name("NAME")
       ->check(CLI::IsMember(plan::qualityNames()))
       ->capture_default_str();
-  command->add_option("--time-limit", options->time_limit_s, "Seconds: keep the best quality, up to --quality, that is done in time; a draft always is")
+  command
+      ->add_option("--time-limit", options->time_limit_s,
+                   "Seconds: keep the best quality, up to --quality, that is done in time; a draft always is")
       ->type_name("S")
       ->check(CLI::Range(0.0, 1e7));
   command->add_option("--target-error", options->target_error, "Refine until the measured relrmse is at most this: 0.05 is 5 %")
@@ -207,13 +215,16 @@ void addBake(CLI::App& app, Session& session) {
       ->type_name("NAME")
       ->check(CLI::IsMember(plan::prmEstimatorNames()))
       ->capture_default_str();
-  command->add_option("--prm-entries", options->settings.prm_entries, "Entry points in all clusters together, about; without it the quality decides")
+  command
+      ->add_option("--prm-entries", options->settings.prm_entries,
+                   "Entry points in all clusters together, about; without it the quality decides")
       ->type_name("N")
       ->check(CLI::Range(1u, plan::kMostPrmEntries));
   command->add_option("--prm-clusters", options->settings.prm_clusters, "Clusters of entry points, about; without it the quality decides")
       ->type_name("N")
       ->check(CLI::Range(1u, plan::kMostPrmClusters));
-  command->add_option("--cache", options->cache, "Folder that keeps results of tasks for later bakes; may be shared and deleted at any time")
+  command
+      ->add_option("--cache", options->cache, "Folder that keeps results of tasks for later bakes; may be shared and deleted at any time")
       ->type_name("DIR");
   addThreads(*command, options->threads);
   command->add_flag("--json", options->json, "Print a report on stdout (schemas/bake.schema.json)");

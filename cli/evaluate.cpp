@@ -36,16 +36,19 @@ void checkHasPrm(const format::Reader& reader) {
 }
 
 /// Direct irradiance from the lights, path-traced (one segment) in the container's own geometry; one value per slot.
-std::vector<Rgb> lightOfLamps(Session& session, const Options& options, const bake::ContainerScene& container, const trace::Tracer& tracer) {
+std::vector<Rgb> lightOfLamps(Session& session, const Options& options, const bake::ContainerScene& container,
+                              const trace::Tracer& tracer) {
   ProgressMeter meter(session.console, "direct light");
   transport::ReferenceOptions reference{.samples = options.samples, .threads = options.threads, .cancel = &session.interrupt.flag()};
   reference.progress = [&](double fraction) { meter.update(fraction); };
-  return transport::referenceIrradiance(container.scene, container.atlas, tracer, container.scene.lights, Component::direct, reference).irradiance_rgb;
+  return transport::referenceIrradiance(container.scene, container.atlas, tracer, container.scene.lights, Component::direct, reference)
+      .irradiance_rgb;
 }
 
 void run(Session& session, const Options& options) {
   checkWritable(options.output);
-  if (options.technique != "prm") throw UsageError("--technique: this version cannot evaluate \"" + options.technique + "\" yet; it evaluates prm");
+  if (options.technique != "prm")
+    throw UsageError("--technique: this version cannot evaluate \"" + options.technique + "\" yet; it evaluates prm");
   checkReadable(options.container);
   if (options.lights) checkReadable(*options.lights);
   const format::Reader reader(options.container);
@@ -81,7 +84,8 @@ void run(Session& session, const Options& options) {
     pixel[3] = 1;
   }
   writeOutput(session, options.output, [&] { writeExr(options.output, image); });
-  session.console.line(options.output.string() + ": " + options.component + " irradiance of " + std::to_string(container.atlas.slots.size()) + " texels");
+  session.console.line(options.output.string() + ": " + options.component + " irradiance of " +
+                       std::to_string(container.atlas.slots.size()) + " texels");
 }
 
 }  // namespace
@@ -100,7 +104,9 @@ void addEvaluate(CLI::App& app, Session& session) {
       ->check(CLI::IsMember({"cpu", "gl"}))
       ->capture_default_str();
   addComponent(*command, options->component);
-  command->add_option("--brightest", options->brightest, "Panes only: sum the K that give most light, scaled to keep the energy of all; 0: all")
+  command
+      ->add_option("--brightest", options->brightest,
+                   "Panes only: sum the K that give most light, scaled to keep the energy of all; 0: all")
       ->type_name("K")
       ->check(CLI::Range(0u, 1u << 20));
   addLights(*command, options->lights);

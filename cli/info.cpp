@@ -123,7 +123,8 @@ std::string padded(std::string text, size_t width) { return text.append(text.siz
 
 void printForPeople(const json& d) {
   const auto out = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
-  out(d["file"].get<std::string>() + ": container version " + d["version"].get<std::string>() + ", " + formatBytes(d["bytes"].get<double>()));
+  out(d["file"].get<std::string>() + ": container version " + d["version"].get<std::string>() + ", " +
+      formatBytes(d["bytes"].get<double>()));
   if (const auto& p = d["provenance"]; !p.is_null()) {
     out("  baked from " + p["scene_name"].get<std::string>() + " (" + p["scene_hash"].get<std::string>() + ") by lightwell " +
         p["tool_version"].get<std::string>() + (p["time_limited"].get<bool>() ? ", cut by a time limit" : ""));
@@ -132,7 +133,8 @@ void printForPeople(const json& d) {
   }
   for (const auto& [name, header] : d["content"].items()) {
     std::string line = "  " + name + ":";
-    for (const auto& [key, value] : header.items()) line += " " + key + " " + (value.is_string() ? value.get<std::string>() : value.dump()) + ",";
+    for (const auto& [key, value] : header.items())
+      line += " " + key + " " + (value.is_string() ? value.get<std::string>() : value.dump()) + ",";
     line.pop_back();
     out(line);
   }
@@ -144,8 +146,8 @@ void printForPeople(const json& d) {
           padded(c["codec"].get<std::string>(), 18) + formatBytes(c["stored_bytes"].get<double>()));
   }
   for (const auto& e : d["errors"])
-    out("measured error of " + e["section"].get<std::string>() + ": relrmse " + e["relrmse"].dump() + ", texrel " + e["texrel"].dump() + ", bias " +
-        e["bias"].dump() + " against " + e["against"].get<std::string>());
+    out("measured error of " + e["section"].get<std::string>() + ": relrmse " + e["relrmse"].dump() + ", texrel " + e["texrel"].dump() +
+        ", bias " + e["bias"].dump() + " against " + e["against"].get<std::string>());
   for (const auto& o : d["omitted"]) out("without " + o["type"].get<std::string>() + ": " + o["reason"].get<std::string>());
 }
 

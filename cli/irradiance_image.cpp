@@ -12,7 +12,9 @@ void addComponent(CLI::App& command, std::string& component) {
 }
 
 transport::Component componentNamed(const std::string& name) {
-  return name == "direct" ? transport::Component::direct : name == "indirect" ? transport::Component::indirect : transport::Component::total;
+  return name == "direct"     ? transport::Component::direct
+         : name == "indirect" ? transport::Component::indirect
+                              : transport::Component::total;
 }
 
 ImageRgba imageOfSlots(const atlas::Atlas& atlas, int size, std::span<const Rgb> slot_rgb) {

@@ -60,7 +60,10 @@ void addReference(CLI::App& app, Session& session) {
   addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered");
   addComponent(*command, options->component);
   addSceneSettings(*command, options->settings);
-  command->add_option("--samples", options->samples, "Paths for each texel")->type_name("N")->check(CLI::Range(1u, 1u << 24))->capture_default_str();
+  command->add_option("--samples", options->samples, "Paths for each texel")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 1u << 24))
+      ->capture_default_str();
   command->add_option("--standard-error", options->standard_error, "Also write the standard error of each texel")->type_name("SE.exr");
   addLights(*command, options->source.lights);
   addThreads(*command, options->threads);

@@ -32,8 +32,8 @@ void run(Session& session, const Options& options) {
     printJson(document);
   }
   for (const auto& issue : issues)
-    session.console.line((issue.note ? "note " : "issue ") + std::to_string(int(issue.id)) + " at byte " + std::to_string(issue.offset) + ", " +
-                         issue.place + ": " + issue.message);
+    session.console.line((issue.note ? "note " : "issue ") + std::to_string(int(issue.id)) + " at byte " + std::to_string(issue.offset) +
+                         ", " + issue.place + ": " + issue.message);
   if (sound) {
     session.console.line(options.container.string() + ": sound");
     return;

@@ -34,7 +34,8 @@ v1::MetaHeader metaOf(const BakeContext& context, const std::vector<plan::Omitte
 }
 
 /// The container's bytes from the fitted blocks, the emitters' light and the references, in this order.
-Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const PrmTasks& tasks, v1::MetaHeader meta, const TaskInputs& in) {
+Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const PrmTasks& tasks, v1::MetaHeader meta,
+                      const TaskInputs& in) {
   std::optional<transport::PrmResult> prm;
   if (plan.prm) {
     const size_t blocks = tasks.blocks.size(), emitter = tasks.emitter.size();
@@ -93,9 +94,9 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options)
   inputs.insert(inputs.end(), references.begin(), references.end());
   const std::string parameters = context.surfaceKey().hex() + context.lightKey().hex() + meta.SerializeAsString();
   const double texels = double(context.settings().lightmap_size) * context.settings().lightmap_size;
-  result.container = result.graph.add({"container", "container", "container", parameters, inputs, texels + 1, [&context, plan, prm, meta](const TaskInputs& in) {
-                                         return encodeContainer(context, plan, prm, meta, in);
-                                       }});
+  result.container =
+      result.graph.add({"container", "container", "container", parameters, inputs, texels + 1,
+                        [&context, plan, prm, meta](const TaskInputs& in) { return encodeContainer(context, plan, prm, meta, in); }});
   result.omitted = plan.omitted;
   return result;
 }

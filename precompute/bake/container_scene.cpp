@@ -115,7 +115,8 @@ void readMesh(const format::Reader& reader, scene::Scene& scene) {
   for (size_t v = 0; v < vertices; ++v) {
     const Vec3 position = Vec3(Vec3d(position_m[3 * v], position_m[3 * v + 1], position_m[3 * v + 2]) / scene.metres_per_unit);
     const auto n = format::unpackOct({normal[2 * v], normal[2 * v + 1]});
-    if (!isFinite(position) || !std::isfinite(uv[2 * v]) || !std::isfinite(uv[2 * v + 1])) reject(reader, "geometry", "a number is not finite");
+    if (!isFinite(position) || !std::isfinite(uv[2 * v]) || !std::isfinite(uv[2 * v + 1]))
+      reject(reader, "geometry", "a number is not finite");
     scene.bounds.extendBy(position);
     mesh.positions.push_back(position);
     mesh.normals.emplace_back(n.x, n.y, n.z);

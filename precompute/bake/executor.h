@@ -47,7 +47,8 @@ struct RunResult {
 };
 
 /// Tasks whose result is in the store are not run, nor is anything that only they would need. Results no longer needed are dropped.
-/// The bytes do not depend on the executor. Throws Cancelled, DeadlinePassed, or the exception of a failed task (of several: the earliest in the graph).
+/// The bytes do not depend on the executor. Throws Cancelled, DeadlinePassed, or the exception of a failed task (of several: the earliest
+/// in the graph).
 class Executor {
  public:
   virtual ~Executor() = default;

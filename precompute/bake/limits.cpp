@@ -21,10 +21,11 @@ class Attempts {
 
   /// Replaces the outcome; its phases and counts add up over attempts. Throws DeadlinePassed, keeping the last outcome.
   void run(const plan::Settings& settings, bool time_limited, Clock::time_point deadline) {
-    const BakeGraph graph = makeBakeGraph(context_, {.settings = settings,
-                                                     .warnings = warnings_,
-                                                     .test_lights = settings.quality != plan::Quality::draft || limits_.target_error ? kTestLights : 0,
-                                                     .time_limited = time_limited});
+    const BakeGraph graph =
+        makeBakeGraph(context_, {.settings = settings,
+                                 .warnings = warnings_,
+                                 .test_lights = settings.quality != plan::Quality::draft || limits_.target_error ? kTestLights : 0,
+                                 .time_limited = time_limited});
     RunOptions options = options_;
     options.deadline = deadline;
     const RunResult result = executor_.run(graph.graph, std::array{graph.container}, store_, options);
@@ -84,7 +85,8 @@ void runAgainstTheClock(Attempts& attempts, const plan::Settings& wanted, Clock:
 }  // namespace
 
 Outcome bakeWithin(const BakeContext& context, const Limits& limits, const std::vector<Warning>& warnings, Diagnostics& diagnostics,
-                   Executor& executor, ResultStore& store, const RunOptions& options, const std::function<void(const std::string&)>& announce) {
+                   Executor& executor, ResultStore& store, const RunOptions& options,
+                   const std::function<void(const std::string&)>& announce) {
   const auto say = [&](const std::string& text) {
     if (announce) announce(text);
   };
@@ -112,7 +114,8 @@ Outcome bakeWithin(const BakeContext& context, const Limits& limits, const std::
       settings = attempts.outcome.settings;
     }
     if (error && *error > *limits.target_error)
-      diagnostics.warn("", "the measured error is " + std::to_string(*error) + ", not the " + std::to_string(*limits.target_error) + " asked for");
+      diagnostics.warn(
+          "", "the measured error is " + std::to_string(*error) + ", not the " + std::to_string(*limits.target_error) + " asked for");
   }
   if (limits.size_limit_bytes) {
     while (attempts.bytes() > *limits.size_limit_bytes && settings.refinement > plan::kCoarsestRefinement) {
@@ -121,7 +124,8 @@ Outcome bakeWithin(const BakeContext& context, const Limits& limits, const std::
       attempts.run(settings, attempts.outcome.time_limited, never);
     }
     if (attempts.bytes() > *limits.size_limit_bytes)
-      throw UsageError("--size-limit: the smallest container of this scene at this --lightmap-size has " + std::to_string(attempts.bytes()) + " bytes");
+      throw UsageError("--size-limit: the smallest container of this scene at this --lightmap-size has " +
+                       std::to_string(attempts.bytes()) + " bytes");
   }
   return attempts.outcome;
 }

@@ -14,7 +14,8 @@ struct Limits {
   std::optional<std::chrono::steady_clock::time_point> deadline;
   /// Measured median relrmse of the PRM: refined up to plan::kFinestRefinement until it is reached, else there is a warning.
   std::optional<double> target_error;
-  /// Of the file: coarsened down to plan::kCoarsestRefinement until it fits, else a UsageError names the smallest size. Stronger than the target.
+  /// Of the file: coarsened down to plan::kCoarsestRefinement until it fits, else a UsageError names the smallest size. Stronger than the
+  /// target.
   std::optional<uint64_t> size_limit_bytes;
 };
 
@@ -27,10 +28,11 @@ struct Outcome {
   bool time_limited = false;
 };
 
-/// Runs the graph at the quality of context.settings(), or at those that the limits lead to. `announce` is told, in words, why another attempt
-/// begins. `warnings` (of the scene) go into the container; those
-/// about limits that were missed go to `diagnostics`. Throws as Executor::run, and UsageError.
+/// Runs the graph at the quality of context.settings(), or at those that the limits lead to. `announce` is told, in words, why another
+/// attempt begins. `warnings` (of the scene) go into the container; those about limits that were missed go to `diagnostics`. Throws as
+/// Executor::run, and UsageError.
 Outcome bakeWithin(const BakeContext& context, const Limits& limits, const std::vector<Warning>& warnings, Diagnostics& diagnostics,
-                   Executor& executor, ResultStore& store, const RunOptions& options, const std::function<void(const std::string&)>& announce = {});
+                   Executor& executor, ResultStore& store, const RunOptions& options,
+                   const std::function<void(const std::string&)>& announce = {});
 
 }  // namespace lightwell::bake

@@ -20,7 +20,8 @@ constexpr uint64_t kLightSeed = 0x6c69676874ull;  // apart from the lights that 
 constexpr size_t kRuns = 32, kRunSlots = 32;      // the sample: runs of neighbouring texels, spread evenly over the atlas
 
 transport::PriorLight testLight(const BakeContext& context, uint32_t index) {
-  return transport::samplePriorLights(context.scene(), context.atlas(), *context.tracer(), index + 1, combineKeys(context.settings().seed, kLightSeed))
+  return transport::samplePriorLights(context.scene(), context.atlas(), *context.tracer(), index + 1,
+                                      combineKeys(context.settings().seed, kLightSeed))
       .back();
 }
 
@@ -60,8 +61,12 @@ std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& co
   }
   const double rays = double(std::min(context.atlas().slots.size(), kRuns * kRunSlots)) * 2 * kSamples * kRaysPerPath;
   for (uint32_t i = 0; i < lights; ++i)
-    tasks.push_back(graph.add({"measure/" + std::to_string(i), "measure", "measure",
-                               context.surfaceKey().hex() + " " + std::to_string(context.settings().seed) + " " + std::to_string(i), {}, rays,
+    tasks.push_back(graph.add({"measure/" + std::to_string(i),
+                               "measure",
+                               "measure",
+                               context.surfaceKey().hex() + " " + std::to_string(context.settings().seed) + " " + std::to_string(i),
+                               {},
+                               rays,
                                [&context, dark, i](const TaskInputs& in) {
                                  const scene::Light light = testLight(context, i).light;
                                  ByteWriter writer;
@@ -70,8 +75,9 @@ std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& co
                                    options.seed = combineKeys(combineKeys(context.settings().seed, kLightSeed), half);
                                    std::vector<Rgb> irradiance_rgb;
                                    for (const auto& [first, end] : sampledRuns(context.atlas().slots.size())) {
-                                     const auto run = transport::referenceIrradianceRange(*dark, context.atlas(), *context.tracer(), {light},
-                                                                                          transport::Component::indirect, options, first, end);
+                                     const auto run =
+                                         transport::referenceIrradianceRange(*dark, context.atlas(), *context.tracer(), {light},
+                                                                             transport::Component::indirect, options, first, end);
                                      irradiance_rgb.insert(irradiance_rgb.end(), run.irradiance_rgb.begin(), run.irradiance_rgb.end());
                                    }
                                    writer.array(irradiance_rgb);
@@ -118,8 +124,9 @@ std::optional<MeasuredError> measurePrm(const BakeContext& context, const transp
   // Lights in sealed pockets say nothing about the scene.
   const double enough = 0.1 * medianOf(&Measured::mean);
   std::erase_if(lights, [&](const Measured& light) { return light.mean < enough; });
-  return MeasuredError{medianOf(&Measured::relrmse), medianOf(&Measured::texrel), medianOf(&Measured::bias),
-                       "median of " + std::to_string(lights.size()) + " point lights, indirect light path-traced at " + std::to_string(texels) + " texels"};
+  return MeasuredError{
+      medianOf(&Measured::relrmse), medianOf(&Measured::texrel), medianOf(&Measured::bias),
+      "median of " + std::to_string(lights.size()) + " point lights, indirect light path-traced at " + std::to_string(texels) + " texels"};
 }
 
 }  // namespace lightwell::bake

@@ -14,7 +14,8 @@ constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048
 std::string parametersOf(const BakeContext& context, const transport::PrmSettings& s) {
   std::string text = context.surfaceKey().hex();
   const auto add = [&](auto value) {
-    if constexpr (std::is_same_v<decltype(value), float>) return void(text.append(1, ' ').append(std::to_string(std::bit_cast<uint32_t>(value))));
+    if constexpr (std::is_same_v<decltype(value), float>)
+      return void(text.append(1, ' ').append(std::to_string(std::bit_cast<uint32_t>(value))));
     text.append(1, ' ').append(std::to_string(value));
   };
   add(int(s.layout)), add(int(s.estimator));
@@ -87,8 +88,8 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
     for (uint32_t first = 0; first < count; first += piece) {
       const uint32_t end = std::min(count, first + piece);
       tasks.push_back(graph.add({"prm/" + name + "/" + std::to_string(first / piece), name, "prm/" + name,
-                                 parameters + " [" + std::to_string(first) + ", " + std::to_string(end) + ")", inputs, cost_each * (end - first),
-                                 [stage, first, end](const TaskInputs& in) { return stage(first, end, in); }}));
+                                 parameters + " [" + std::to_string(first) + ", " + std::to_string(end) + ")", inputs,
+                                 cost_each * (end - first), [stage, first, end](const TaskInputs& in) { return stage(first, end, in); }}));
     }
     return tasks;
   };

@@ -84,7 +84,9 @@ void addSceneSection(format::Writer& writer, const scene::Scene& scene) {
   for (const auto& light : scene.lights) {
     const bool directional = light.type == scene::LightType::directional;
     v1::Light* out = header.add_lights();
-    out->set_type(directional ? v1::LIGHT_TYPE_DIRECTIONAL : light.type == scene::LightType::spot ? v1::LIGHT_TYPE_SPOT : v1::LIGHT_TYPE_POINT);
+    out->set_type(directional                            ? v1::LIGHT_TYPE_DIRECTIONAL
+                  : light.type == scene::LightType::spot ? v1::LIGHT_TYPE_SPOT
+                                                         : v1::LIGHT_TYPE_POINT);
     out->set_name(light.name);
     setVector(out->mutable_position(), directional ? Vec3(0.0f) : Vec3(Vec3d(light.position) * metres));
     setVector(out->mutable_direction(), light.direction);

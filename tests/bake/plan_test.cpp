@@ -75,15 +75,17 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   settings.prm_clusters = 256;
   const std::string json = canonicalJson(settings);
   EXPECT_EQ(canonicalJson(settingsFromJson(json)), json);
-  EXPECT_EQ(json, R"({"light_units":"raw","lightmap_size":33,"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
-                  R"("quality":"draft","refinement":-2,"seed":18446744073709551615,"techniques":["prm"]})");
+  EXPECT_EQ(json,
+            R"({"light_units":"raw","lightmap_size":33,"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
+            R"("quality":"draft","refinement":-2,"seed":18446744073709551615,"techniques":["prm"]})");
   EXPECT_EQ(canonicalJson(settingsFromJson("{}")), canonicalJson(Settings{}));
 }
 
 TEST(Settings, JsonIsChecked) {
   for (const char* bad : {"", "[]", "{", R"({"quality":"best"})", R"({"quality":1})", R"({"lightmap_size":0})", R"({"lightmap_size":8193})",
-                          R"({"lightmap_size":1.5})", R"({"seed":-1})", R"({"refinement":4})", R"({"refinement":-7})", R"({"threads":2})", R"({"techniques":[1]})", R"({"light_units":null})",
-                          R"({"prm_layout":"pane"})", R"({"prm_estimator":0})", R"({"prm_entries":-1})", R"({"prm_clusters":65537})"})
+                          R"({"lightmap_size":1.5})", R"({"seed":-1})", R"({"refinement":4})", R"({"refinement":-7})", R"({"threads":2})",
+                          R"({"techniques":[1]})", R"({"light_units":null})", R"({"prm_layout":"pane"})", R"({"prm_estimator":0})",
+                          R"({"prm_entries":-1})", R"({"prm_clusters":65537})"})
     EXPECT_THROW(settingsFromJson(bad), UsageError) << bad;
 }
 

@@ -21,12 +21,13 @@ class TextGraph {
  public:
   explicit TextGraph(const std::string& version = "1") : graph(version) {}
   TaskIndex add(const std::string& id, std::vector<TaskIndex> inputs = {}, const std::string& parameters = "") {
-    return graph.add({id, "phase " + id.substr(0, 1), "text", id + parameters, std::move(inputs), 1, [this, id, parameters](const TaskInputs& in) {
-                        ++runs;
-                        std::string text = id + parameters + "(";
-                        for (const auto& input : in.inputs) text += textOf(input) + ",";
-                        return bytesOf(text + ")");
-                      }});
+    return graph.add(
+        {id, "phase " + id.substr(0, 1), "text", id + parameters, std::move(inputs), 1, [this, id, parameters](const TaskInputs& in) {
+           ++runs;
+           std::string text = id + parameters + "(";
+           for (const auto& input : in.inputs) text += textOf(input) + ",";
+           return bytesOf(text + ")");
+         }});
   }
   TaskGraph graph;
   std::atomic<int> runs{0};
@@ -68,7 +69,8 @@ TEST(TaskGraph, SameBytesForAnyThreadCount) {
 
 TEST(TaskGraph, KeyDependsOnVersionKindParametersAndInputs) {
   const auto noop = [](const TaskInputs&) { return Bytes{}; };
-  const auto keyOf = [&](const std::string& version, const std::string& kind, const std::string& parameters, const std::string& input_parameters) {
+  const auto keyOf = [&](const std::string& version, const std::string& kind, const std::string& parameters,
+                         const std::string& input_parameters) {
     TaskGraph graph(version);
     const auto input = graph.add({"in", "p", "k", input_parameters, {}, 1, noop});
     return graph.task(graph.add({"out", "p", kind, parameters, {input}, 1, noop})).key;
@@ -108,7 +110,8 @@ TEST(Executor, ChangedInputRerunsOnlyWhatDependsOnIt) {
   MemoryStore store;
   const auto bake = [&](const std::string& b_parameters) {
     TextGraph text;
-    const auto a = text.add("a"), b = text.add("b", {}, b_parameters), c = text.add("c", {a}), d = text.add("d", {b}), e = text.add("e", {c, d});
+    const auto a = text.add("a"), b = text.add("b", {}, b_parameters), c = text.add("c", {a}), d = text.add("d", {b}),
+               e = text.add("e", {c, d});
     const std::string result = runText(text, e, store);
     return std::pair(result, int(text.runs));
   };
@@ -159,7 +162,8 @@ TEST(Executor, CancelEndsWithinASecond) {
   std::vector<TaskIndex> tasks;
   for (int i = 0; i < 1000; ++i)
     tasks.push_back(graph.add({std::to_string(i), "p", "k", std::to_string(i), {}, 1, [](const TaskInputs& in) {
-                                 for (int j = 0; j < 100; ++j) in.cancel.check(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+                                 for (int j = 0; j < 100; ++j)
+                                   in.cancel.check(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
                                  return Bytes{};
                                }}));
   NullStore store;
@@ -178,7 +182,8 @@ TEST(Executor, ProgressReachesTheWhole) {
   const auto top = text.add("top", row);
   std::vector<Progress> seen;
   NullStore store;
-  const auto result = ThreadExecutor(2).run(text.graph, std::array{top}, store, {.progress = [&](const Progress& p) { seen.push_back(p); }});
+  const auto result =
+      ThreadExecutor(2).run(text.graph, std::array{top}, store, {.progress = [&](const Progress& p) { seen.push_back(p); }});
   ASSERT_FALSE(seen.empty());
   EXPECT_EQ(seen.back().tasks_done, 21u);
   EXPECT_EQ(seen.back().tasks_total, 21u);

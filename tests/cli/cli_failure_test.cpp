@@ -143,7 +143,8 @@ TEST_F(CliFailureTest, InterruptEndsWithinASecondAndLeavesNothing) {
 }
 
 TEST_F(CliFailureTest, InterruptedBakeGoesOnFromItsCache) {
-  const std::vector<std::string> arguments{"bake", path("room.gltf"), "-o", path("o.lwc"), "--lightmap-size", "64", "--quality", "draft", "--threads", "1"};
+  const std::vector<std::string> arguments{"bake", path("room.gltf"), "-o",    path("o.lwc"), "--lightmap-size",
+                                           "64",   "--quality",       "draft", "--threads",   "1"};
   ASSERT_EQ(lightwell(arguments).exit_code, 0);
   const std::string whole = readFile(path("o.lwc"));
   std::filesystem::remove(path("o.lwc"));

@@ -64,7 +64,8 @@ TEST_F(CliTest, SameBytesForAnyNumberOfThreads) {
 }
 
 TEST_F(CliTest, BakeReportsAndContainerIsSound) {
-  const json report = runJson({"bake", path("furnace.gltf"), "-o", path("o.lwc"), "--lightmap-size", "24", "--quality", "draft", "--json"}, "bake");
+  const json report =
+      runJson({"bake", path("furnace.gltf"), "-o", path("o.lwc"), "--lightmap-size", "24", "--quality", "draft", "--json"}, "bake");
   EXPECT_GT(report["rays"], 0);
   EXPECT_EQ(report["bytes"], std::filesystem::file_size(path("o.lwc")));
   std::vector<std::string> types;
@@ -110,8 +111,10 @@ TEST_F(CliTest, LampInClosedRoomFollowsEnergyConservation) {
   writeFile(path("two.json"), R"({"lights":[{"type":"point","position":[0,0,0],"color":[1,1,1],"intensity":2}]})");
   run({"evaluate", path("o.lwc"), "--technique", "prm", "--component", "total", "--lights", path("two.json"), "-o", path("e2.exr")});
   EXPECT_NEAR(meanOf("e2.exr") / meanOf("e.exr"), 2, 1e-3);
-  run({"evaluate", path("o.lwc"), "--technique", "prm", "--evaluator", "gl", "--component", "indirect", "--lights", path("two.json"), "-o", path("gl.exr")});
-  run({"evaluate", path("o.lwc"), "--technique", "prm", "--evaluator", "cpu", "--component", "indirect", "--lights", path("two.json"), "-o", path("cpu.exr")});
+  run({"evaluate", path("o.lwc"), "--technique", "prm", "--evaluator", "gl", "--component", "indirect", "--lights", path("two.json"), "-o",
+       path("gl.exr")});
+  run({"evaluate", path("o.lwc"), "--technique", "prm", "--evaluator", "cpu", "--component", "indirect", "--lights", path("two.json"), "-o",
+       path("cpu.exr")});
   EXPECT_LT(runJson({"compare", path("cpu.exr"), path("gl.exr"), "--json"}, "compare")["relrmse"], 0.002);
 }
 

@@ -66,9 +66,10 @@ std::string roomGltf(const RoomOptions& options) {
         {{"bufferView", 0}, {"componentType", 5126}, {"count", 24}, {"type", "VEC3"}, {"min", {-1, -1, -1}}, {"max", {1, 1, 1}}},
         {{"bufferView", 1}, {"componentType", 5126}, {"count", 24}, {"type", "VEC2"}},
         {{"bufferView", 2}, {"componentType", 5125}, {"count", 36}, {"type", "SCALAR"}}};
-    gltf["materials"] = {{{"name", "wall"},
-                          {"pbrMetallicRoughness", {{"baseColorFactor", {options.albedo, options.albedo, options.albedo, 1}}, {"metallicFactor", 0}}},
-                          {"emissiveFactor", {options.emission, options.emission, options.emission}}}};
+    gltf["materials"] = {
+        {{"name", "wall"},
+         {"pbrMetallicRoughness", {{"baseColorFactor", {options.albedo, options.albedo, options.albedo, 1}}, {"metallicFactor", 0}}},
+         {"emissiveFactor", {options.emission, options.emission, options.emission}}}};
     gltf["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", 0}, {"TEXCOORD_1", 1}}}, {"indices", 2}, {"material", 0}}}}}};
     roots.push_back(gltf["nodes"].size());
     gltf["nodes"].push_back({{"name", "room"}, {"mesh", 0}});

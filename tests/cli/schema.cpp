@@ -11,8 +11,8 @@ using nlohmann::json;
 
 bool isOfType(const json& value, const std::string& type) {
   return (type == "object" && value.is_object()) || (type == "array" && value.is_array()) || (type == "string" && value.is_string()) ||
-         (type == "number" && value.is_number()) || (type == "integer" && value.is_number_integer()) || (type == "boolean" && value.is_boolean()) ||
-         (type == "null" && value.is_null());
+         (type == "number" && value.is_number()) || (type == "integer" && value.is_number_integer()) ||
+         (type == "boolean" && value.is_boolean()) || (type == "null" && value.is_null());
 }
 
 std::string violationOfObject(const json& schema, const json& value, const std::string& place) {
