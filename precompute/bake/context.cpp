@@ -67,8 +67,9 @@ BakeContext::BakeContext(const SceneSource& source, const plan::Settings& settin
     stage_times_.push_back({name, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()});
   };
   timed("import", [&] {
-    scene_ = scene::importGltf(source.scene, {.light_units = settings.light_units}, diagnostics);
-    if (source.lights) scene::replaceLights(scene_, *source.lights, diagnostics);
+    const scene::FileTable* files = source.files ? &*source.files : nullptr;
+    scene_ = scene::importGltf(source.scene, {.light_units = settings.light_units, .files = files}, diagnostics);
+    if (source.lights) scene::replaceLights(scene_, *source.lights, diagnostics, files);
     surface_key_ = hashSurfaces(scene_, settings);
     light_key_ = hashLights(scene_);
   });

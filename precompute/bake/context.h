@@ -11,14 +11,16 @@
 #include "precompute/atlas/validity.h"
 #include "precompute/bake/executor.h"
 #include "precompute/plan/plan.h"
+#include "precompute/scene/file_table.h"
 #include "precompute/trace/tracer.h"
 
 namespace lightwell::bake {
 
-/// Where the work comes from. `lights`, when given, replaces the scene's punctual lights.
+/// Where the work comes from. `lights`, when given, replaces the scene's punctual lights. With `files`, all paths are names in it.
 struct SceneSource {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> lights;
+  std::optional<scene::FileTable> files;
 };
 
 class BakeContext {

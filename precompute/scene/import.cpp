@@ -23,8 +23,8 @@ namespace {
 /// One import under way: materials and meshes are read once, when the first node that uses them is met.
 class Importer {
  public:
-  Importer(const std::filesystem::path& file, Scene& scene, Diagnostics& diagnostics)
-      : document_(file, diagnostics), scene_(scene), diagnostics_(diagnostics),
+  Importer(const std::filesystem::path& file, const FileTable* table, Scene& scene, Diagnostics& diagnostics)
+      : document_(file, table, diagnostics), scene_(scene), diagnostics_(diagnostics),
         material_importer_(document_, scene.textures, diagnostics) {}
 
   void run(const ImportOptions& options) {
@@ -171,7 +171,7 @@ class Importer {
 Scene importGltf(const std::filesystem::path& file, const ImportOptions& options, Diagnostics& diagnostics) {
   Scene scene;
   scene.file = file.string();
-  Importer(file, scene, diagnostics).run(options);
+  Importer(file, options.files, scene, diagnostics).run(options);
   return scene;
 }
 

@@ -61,9 +61,9 @@ Light readLight(const Scene& scene, const JsonValue& json, Diagnostics& diagnost
 
 }  // namespace
 
-void replaceLights(Scene& scene, const std::filesystem::path& lights_json, Diagnostics& diagnostics) {
+void replaceLights(Scene& scene, const std::filesystem::path& lights_json, Diagnostics& diagnostics, const FileTable* files) {
   const std::string file = lights_json.string();
-  const std::vector<uint8_t> bytes = gltf::readFile(lights_json, kMaxLightsJsonBytes);
+  const std::vector<uint8_t> bytes = gltf::readFile(lights_json, kMaxLightsJsonBytes, files);
   const nlohmann::json document = parseJson(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   const JsonValue root(file, document);
   warnUnknownKeys(root, {"lights"}, diagnostics);

@@ -91,8 +91,9 @@ void checkExtensions(const JsonValue& root, Diagnostics& diagnostics) {
 
 }  // namespace
 
-Document::Document(const std::filesystem::path& file, Diagnostics& diagnostics)
-    : file_(file.string()), folder_(file.has_parent_path() ? file.parent_path() : "."), bytes_(readFile(file, kMaxFileBytes)) {
+Document::Document(const std::filesystem::path& file, const FileTable* table, Diagnostics& diagnostics)
+    : file_(file.string()), folder_(file.has_parent_path() ? file.parent_path() : "."), table_(table),
+      bytes_(readFile(file, kMaxFileBytes, table)) {
   std::span<const uint8_t> json = bytes_;
   if (bytes_.size() >= 4 && readU32(bytes_, 0) == kGlbMagic) {
     const Chunks chunks = splitGlb(file_, bytes_);
@@ -107,6 +108,8 @@ Document::Document(const std::filesystem::path& file, Diagnostics& diagnostics)
   checkExtensions(root(), diagnostics);
 }
 
+std::vector<uint8_t> Document::external(const JsonValue& uri) const { return readUri(folder_, uri, kMaxFileBytes, table_); }
+
 size_t Document::count(const char* array) const {
   const auto found = root().find(array);
   return found ? found->size() : 0;
@@ -120,7 +123,7 @@ std::span<const uint8_t> Document::buffer(const JsonValue& reference) {
   std::span<const uint8_t> bytes;
   if (uri) {
     auto it = loaded_buffers_.find(i);
-    if (it == loaded_buffers_.end()) it = loaded_buffers_.emplace(i, readUri(folder_, *uri, kMaxFileBytes)).first;
+    if (it == loaded_buffers_.end()) it = loaded_buffers_.emplace(i, external(*uri)).first;
     bytes = it->second;
   } else if (i == 0 && has_binary_chunk_) {
     bytes = binary_chunk_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "precompute/core/diagnostics.h"
+#include "precompute/scene/file_table.h"
 #include "precompute/scene/json_value.h"
 
 namespace lightwell::scene::gltf {
@@ -23,12 +24,14 @@ struct BufferView {
 class Document {
  public:
   /// Opens a .glb or .gltf (told apart by content). Checks the container, the JSON, the glTF version and the required extensions.
-  Document(const std::filesystem::path& file, Diagnostics& diagnostics);
+  /// `table`, which must outlive it, may be null: `file` and the files it names are then those of the file system.
+  Document(const std::filesystem::path& file, const FileTable* table, Diagnostics& diagnostics);
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
   const std::string& file() const { return file_; }
-  const std::filesystem::path& folder() const { return folder_; }
+  /// The bytes behind a `uri` member (readUri).
+  std::vector<uint8_t> external(const JsonValue& uri) const;
   JsonValue root() const { return JsonValue(file_, json_); }
   /// The length of a top-level array; 0 when absent.
   size_t count(const char* array) const;
@@ -49,6 +52,7 @@ class Document {
 
   std::string file_;
   std::filesystem::path folder_;
+  const FileTable* table_;
   std::vector<uint8_t> bytes_;            // the whole file
   std::span<const uint8_t> binary_chunk_;
   bool has_binary_chunk_ = false;

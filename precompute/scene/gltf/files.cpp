@@ -86,13 +86,18 @@ bool isInside(const fs::path& folder, const fs::path& file) {
   return mismatch.first == folder.end();
 }
 
+/// `relative` in normal form; empty when it is absolute or leaves the folder.
+fs::path insideFolder(const std::string& relative) {
+  const fs::path path(relative);
+  if (path.is_absolute() || relative.starts_with('\\') || relative.find('\0') != std::string::npos) return {};
+  const fs::path normal = path.lexically_normal();
+  return !normal.empty() && *normal.begin() == ".." ? fs::path() : normal;
+}
+
 /// Where `relative` leads, every symbolic link resolved; empty when there is nothing. Fails when that is outside the folder.
 fs::path resolve(const fs::path& folder, const std::string& relative, const JsonValue& uri) {
-  const fs::path path(relative);
-  if (path.is_absolute() || relative.starts_with('\\') || relative.find('\0') != std::string::npos)
-    uri.fail("\"" + uri.string() + "\" leaves the scene's folder");
-  const fs::path normal = path.lexically_normal();
-  if (!normal.empty() && *normal.begin() == "..") uri.fail("\"" + uri.string() + "\" leaves the scene's folder");
+  const fs::path normal = insideFolder(relative);
+  if (normal.empty()) uri.fail("\"" + uri.string() + "\" leaves the scene's folder");
   std::error_code error;
   const fs::path root = fs::canonical(folder, error);
   if (error) uri.fail("the scene's folder cannot be resolved: " + error.message());
@@ -102,36 +107,57 @@ fs::path resolve(const fs::path& folder, const std::string& relative, const Json
   return target;
 }
 
+/// Likewise, in a table: the name under which it is there.
+fs::path resolve(const fs::path& folder, const FileTable& table, const std::string& relative, const JsonValue& uri) {
+  const fs::path normal = insideFolder(relative);
+  if (normal.empty()) uri.fail("\"" + uri.string() + "\" leaves the scene's folder");
+  const fs::path name = (folder / normal).lexically_normal();
+  return table.contains(name.generic_string()) ? name : fs::path();
+}
+
 }  // namespace
 
-std::vector<uint8_t> readFile(const fs::path& file, uint64_t max_bytes) {
+std::vector<uint8_t> readFile(const fs::path& name, uint64_t max_bytes, const FileTable* table) {
+  const auto reject = [&](const std::string& reason) { throw InputError(name.string(), "", reason); };
+  fs::path file = name;
+  if (table) {
+    const auto found = table->find(name.lexically_normal().generic_string());
+    if (found == table->end()) reject("no such file");
+    file = found->second;
+  }
   std::error_code error;
   const auto status = fs::status(file, error);
-  if (error || !fs::exists(status)) throw InputError(file.string(), "", "no such file");
-  if (!fs::is_regular_file(status)) throw InputError(file.string(), "", "not a regular file");
+  if (error || !fs::exists(status)) reject("no such file");
+  if (!fs::is_regular_file(status)) reject("not a regular file");
   const uint64_t size = fs::file_size(file, error);
-  if (error) throw InputError(file.string(), "", error.message());
-  if (size > max_bytes)
-    throw InputError(file.string(), "", "has " + std::to_string(size) + " bytes, more than the limit of " + std::to_string(max_bytes));
+  if (error) reject(error.message());
+  if (size > max_bytes) reject("has " + std::to_string(size) + " bytes, more than the limit of " + std::to_string(max_bytes));
   std::ifstream stream(file, std::ios::binary);
   std::vector<uint8_t> bytes(size);
-  if (!stream || !stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size)))
-    throw InputError(file.string(), "", "cannot be read");
+  if (!stream || !stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size))) reject("cannot be read");
   return bytes;
 }
 
-std::vector<uint8_t> readUri(const fs::path& folder, const JsonValue& uri, uint64_t max_bytes) {
+std::vector<uint8_t> readUri(const fs::path& folder, const JsonValue& uri, uint64_t max_bytes, const FileTable* table) {
   const std::string& text = uri.string();
   if (text.starts_with("data:")) return decodeDataUri(uri);
   if (hasScheme(text)) uri.fail("\"" + text + "\" is not a file of the scene's folder");
-  fs::path target = resolve(folder, percentDecode(text), uri);
-  if (target.empty() && text.find('%') != std::string::npos) target = resolve(folder, text, uri);  // written without encoding
+  const auto find = [&](const std::string& relative) {
+    return table ? resolve(folder, *table, relative, uri) : resolve(folder, relative, uri);
+  };
+  fs::path target = find(percentDecode(text));
+  if (target.empty() && text.find('%') != std::string::npos) target = find(text);  // written without encoding
   if (target.empty()) uri.fail("\"" + text + "\" does not exist");
   try {
-    return readFile(target, max_bytes);
+    return readFile(target, max_bytes, table);
   } catch (const InputError& e) {
     uri.fail("\"" + text + "\": " + e.reason);
   }
+}
+
+std::string relativeName(std::string_view uri) {
+  if (uri.starts_with("data:") || hasScheme(uri)) return {};
+  return insideFolder(percentDecode(uri)).generic_string();
 }
 
 }  // namespace lightwell::scene::gltf

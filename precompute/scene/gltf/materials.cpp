@@ -42,7 +42,7 @@ uint32_t MaterialImporter::decodeTexture(size_t image_index, Texture::Wrap wrap_
   std::vector<uint8_t> file;
   std::span<const uint8_t> bytes;
   if (const auto uri = json.find("uri")) {
-    file = readUri(document_.folder(), *uri, kMaxFileBytes);
+    file = document_.external(*uri);
     bytes = file;
   } else {
     bytes = document_.view(json.at("bufferView")).bytes;

@@ -1,0 +1,62 @@
+#include "cli/bake_options.h"
+
+#include "cli/command.h"
+
+namespace lightwell::cli {
+
+void addBakeOptions(CLI::App& command, BakeOptions& options) {
+  command.add_option("scene", options.request.source.scene, "glTF 2.0 scene, .glb or .gltf")->required()->type_name("SCENE");
+  command
+      .add_option("--techniques", options.techniques, "What to bake: auto (what the scene can use), or a comma-separated list; now: prm")
+      ->type_name("LIST")
+      ->capture_default_str();
+  addSceneSettings(command, options.request.settings);
+  command.add_option("--quality", options.quality, "draft (seconds), preview, or production")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(plan::qualityNames()))
+      ->capture_default_str();
+  command
+      .add_option("--time-limit", options.request.time_limit_s,
+                   "Seconds: keep the best quality, up to --quality, that is done in time; a draft always is")
+      ->type_name("S")
+      ->check(CLI::Range(0.0, 1e7));
+  command.add_option("--target-error", options.request.target_error, "Refine until the measured relrmse is at most this: 0.05 is 5 %")
+      ->type_name("E")
+      ->check(CLI::Range(1e-4, 10.0));
+  command.add_option("--size-limit", options.request.size_limit_bytes, "Coarsen until the container has at most so many bytes")
+      ->type_name("BYTES")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 50));
+  addLights(command, options.request.source.lights);
+  command.add_option("--prm-layout", options.prm_layout, "Form of the section prm: local-bases, or the paper's panes, one per cluster")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(plan::prmLayoutNames()))
+      ->capture_default_str();
+  command.add_option("--prm-estimator", options.prm_estimator,
+                      "How panes are estimated: gather (at the texels) or walks (the paper's, from the entry points)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(plan::prmEstimatorNames()))
+      ->capture_default_str();
+  command
+      .add_option("--prm-entries", options.request.settings.prm_entries,
+                   "Entry points in all clusters together, about; without it the quality decides")
+      ->type_name("N")
+      ->check(CLI::Range(1u, plan::kMostPrmEntries));
+  command.add_option("--prm-clusters", options.request.settings.prm_clusters, "Clusters of entry points, about; without it the quality decides")
+      ->type_name("N")
+      ->check(CLI::Range(1u, plan::kMostPrmClusters));
+  addThreads(command, options.request.threads);
+}
+
+void resolve(BakeOptions& options) {
+  plan::Settings& settings = options.request.settings;
+  settings.techniques = plan::parseTechniques(options.techniques);
+  settings.quality = *plan::qualityNamed(options.quality);
+  settings.prm_layout = *plan::prmLayoutNamed(options.prm_layout);
+  settings.prm_estimator = *plan::prmEstimatorNamed(options.prm_estimator);
+  plan::checkTechniques(settings);
+  plan::checkPrm(settings);
+  checkReadable(options.request.source.scene);
+  if (options.request.source.lights) checkReadable(*options.request.source.lights);
+}
+
+}  // namespace lightwell::cli

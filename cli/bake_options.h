@@ -1,0 +1,23 @@
+// What bake and submit both take: everything about the result, nothing about where it goes.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "precompute/bake/run.h"
+
+namespace lightwell::cli {
+
+struct BakeOptions {
+  bake::Request request;
+  std::string techniques = "auto", quality = "production";
+  std::string prm_layout = "local-bases", prm_estimator = "gather";
+};
+
+/// The scene and all settings and limits of a bake, --threads included.
+void addBakeOptions(CLI::App& command, BakeOptions& options);
+
+/// Completes `request` from the parsed words, and refuses what cannot work before any work is done: UsageError for settings that this
+/// version cannot bake, InputError for files that cannot be read.
+void resolve(BakeOptions& options);
+
+}  // namespace lightwell::cli

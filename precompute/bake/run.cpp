@@ -1,0 +1,89 @@
+#include "precompute/bake/run.h"
+
+#include <sys/resource.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+namespace lightwell::bake {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+uint64_t peakMemoryBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return uint64_t(usage.ru_maxrss) * 1024;
+}
+
+uint64_t raysOf(const BakeContext& context) {
+  if (!context.tracer()) return 0;
+  const auto counts = context.tracer()->counts();
+  return counts.closest + counts.occlusion;
+}
+
+Limits limitsOf(const Request& request, Clock::time_point begin) {
+  Limits limits{.deadline = {}, .target_error = request.target_error, .size_limit_bytes = request.size_limit_bytes};
+  if (request.time_limit_s)
+    limits.deadline = begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*request.time_limit_s));
+  return limits;
+}
+
+}  // namespace
+
+Baked runBake(const Request& request, ResultStore& store, Diagnostics& run_diagnostics, const CancelFlag& cancel,
+              const Listener& listener) {
+  const auto begin = Clock::now();
+  const Limits limits = limitsOf(request, begin);
+  Diagnostics diagnostics;
+  const BakeContext context(request.source, request.settings, request.threads, diagnostics, cancel, listener.stage);
+  Baked baked;
+  Report& report = baked.report;
+  report.warnings = diagnostics.warnings();
+  if (listener.warning)
+    for (const auto& warning : report.warnings) listener.warning(warning);
+  ThreadExecutor executor(request.threads);
+  RunOptions options{.cancel = &cancel};
+  if (listener.progress) options.progress = [&](const Progress& progress) { listener.progress(progress, raysOf(context)); };
+  baked.outcome = bakeWithin(context, limits, report.warnings, run_diagnostics, executor, store, options, listener.announce);
+
+  report.phases = context.stageTimes();
+  report.phases.insert(report.phases.end(), baked.outcome.phases.begin(), baked.outcome.phases.end());
+  const format::Reader reader(*baked.outcome.container);
+  report.sections = sectionSizes(reader);
+  const auto meta = reader.meta();
+  report.errors.assign(meta.errors().begin(), meta.errors().end());
+  const auto of_run = run_diagnostics.warnings();
+  report.warnings.insert(report.warnings.end(), of_run.begin(), of_run.end());
+  report.rays = raysOf(context);
+  report.peak_memory_bytes = peakMemoryBytes();
+  report.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  return baked;
+}
+
+nlohmann::json reportJson(const Baked& baked) {
+  using nlohmann::json;
+  const auto& [outcome, report] = baked;
+  json document{{"seconds", report.seconds},
+                {"rays", report.rays},
+                {"bytes", outcome.container->size()},
+                {"tasks_run", outcome.tasks_run},
+                {"tasks_reused", outcome.tasks_reused},
+                {"peak_memory_bytes", report.peak_memory_bytes},
+                {"settings", json::parse(plan::canonicalJson(outcome.settings))},
+                {"time_limited", outcome.time_limited},
+                {"error", nullptr}};
+  for (const char* key : {"sections", "omitted", "phases", "warnings"}) document[key] = json::array();
+  if (!report.errors.empty()) document["error"] = json::array();
+  for (const auto& e : report.errors)
+    document["error"].push_back(
+        {{"section", e.section()}, {"relrmse", e.relrmse()}, {"texrel", e.texrel()}, {"bias", e.bias()}, {"against", e.against()}});
+  for (const auto& s : report.sections)
+    document["sections"].push_back({{"type", s.type}, {"stored_bytes", s.stored_bytes}, {"raw_bytes", s.raw_bytes}});
+  for (const auto& o : outcome.omitted) document["omitted"].push_back({{"type", o.type}, {"reason", o.reason}});
+  for (const auto& p : report.phases) document["phases"].push_back({{"name", p.name}, {"seconds", p.seconds}});
+  for (const auto& w : report.warnings) document["warnings"].push_back({{"place", w.place}, {"message", w.message}});
+  return document;
+}
+
+}  // namespace lightwell::bake
