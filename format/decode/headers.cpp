@@ -70,6 +70,22 @@ bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header) {
   return reader.ok();
 }
 
+bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHeader& header) {
+  header = {};
+  WireReader reader(message, bytes);
+  Vector<float, 3> sky_flux{header.sky_flux_rgb};
+  Vector<float, 27> radiance_sh{header.radiance_sh_rgb};
+  while (reader.next()) switch (reader.field()) {
+      case 1: reader.read(header.cells); break;
+      case 2: reader.read(header.suns); break;
+      case 3: reader.read(header.face_cells); break;
+      case 4: reader.read(header.node_scale); break;
+      case 5: sky_flux.append(reader); break;
+      case 6: radiance_sh.append(reader); break;
+    }
+  return reader.ok() && sky_flux.complete() && radiance_sh.complete();
+}
+
 bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity) {
   header = {};
   WireReader reader(message, bytes);

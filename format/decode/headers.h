@@ -36,10 +36,18 @@ struct Light {
   float inner_cone_angle = 0, outer_cone_angle = 0, range_m = 0;
 };
 
+struct EnvironmentHeader {
+  uint32_t cells = 0, suns = 0;
+  uint32_t face_cells = 0;
+  float node_scale = 0;
+  float sky_flux_rgb[3] = {}, radiance_sh_rgb[27] = {};
+};
+
 /// Each parses the decoded bytes of a chunk "header". False when they are not a valid message of that kind (wire format, array lengths).
 /// Values are not judged further; `verify` does that.
 bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header);
 bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header);
+bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHeader& header);
 /// `lights` may be null; otherwise it receives the first `light_capacity` lights. SceneHeader::light_count counts all.
 bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity);
 

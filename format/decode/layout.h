@@ -57,6 +57,7 @@ struct KnownSection {
   const char* type;
   uint32_t version;
 };
-inline constexpr KnownSection kKnownSections[] = {{"meta", 1}, {"scene", 1}, {"geometry", 1}, {"atlas", 1}, {"prm", 1}};
+inline constexpr KnownSection kKnownSections[] = {{"meta", 1}, {"scene", 1}, {"geometry", 1}, {"atlas", 1}, {"prm", 1},
+                                                 {"environment", 1}};
 
 }  // namespace lightwell::format

@@ -137,7 +137,8 @@ std::vector<Issue> verify(const Source& source, const Limits& limits) {
   VerifyContext context(view);
   using Check = void (*)(VerifyContext&);
   constexpr std::pair<const char*, Check> checks[] = {
-      {"meta", verifyMeta}, {"scene", verifyScene}, {"geometry", verifyGeometry}, {"atlas", verifyAtlas}, {"prm", verifyPrm}};
+      {"meta", verifyMeta}, {"scene", verifyScene}, {"geometry", verifyGeometry}, {"atlas", verifyAtlas}, {"prm", verifyPrm},
+      {"environment", verifyEnvironment}};
   for (const auto& [type, check] : checks)
     if (context.has(type)) check(context);
   context.checkRemaining();

@@ -91,5 +91,6 @@ void verifyScene(VerifyContext& context);
 void verifyGeometry(VerifyContext& context);
 void verifyAtlas(VerifyContext& context);
 void verifyPrm(VerifyContext& context);
+void verifyEnvironment(VerifyContext& context);
 
 }  // namespace lightwell::format

@@ -1,5 +1,6 @@
 // What a bake is asked for: everything its bytes depend on besides the scene. Threads, caches and output places are not settings.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,6 +21,14 @@ enum class PrmEstimator { gather, walks };
 inline constexpr int kMostLightmapSize = 8192;
 inline constexpr uint32_t kMostPrmEntries = 1u << 20, kMostPrmClusters = 1u << 16, kMostPrmPanes = 4096;
 inline constexpr int kFinestRefinement = 3, kCoarsestRefinement = -6;
+
+/// How an environment map is put into the world.
+struct EnvironmentPlacement {
+  float rotation_deg = 0;  // about +Y, from +Z towards +X
+  float intensity = 1;     // factor on radiance, ≥ 0
+  std::optional<std::array<float, 3>> ground_radiance_rgb;  // what is seen below the horizon instead, times intensity
+  bool operator==(const EnvironmentPlacement&) const = default;
+};
 
 struct Settings {
   std::vector<Technique> techniques;  // as named, without repetitions; empty: auto, what the scene can use

@@ -82,6 +82,12 @@ lw_result readAtlasHeader(const lw_container& container, format::AtlasHeader& he
   return inRange(container, header.width, header.height) ? LW_OK : LW_BAD_SECTION;
 }
 
+lw_result readEnvironmentHeader(const lw_container& container, format::EnvironmentHeader& header) {
+  return readHeader(container, "environment", [&](const Array<uint8_t>& message) {
+    return format::parseEnvironmentHeader(message.data(), message.size(), header);
+  });
+}
+
 lw_result readPrmHeader(const lw_container& container, format::PrmHeader& header) {
   return readHeader(container, "prm",
                     [&](const Array<uint8_t>& message) { return format::parsePrmHeader(message.data(), message.size(), header); });

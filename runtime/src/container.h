@@ -43,6 +43,7 @@ lw_result decodeChunk(const lw_container& container, std::string_view section, s
 }
 
 lw_result readAtlasHeader(const lw_container& container, format::AtlasHeader& header);
+lw_result readEnvironmentHeader(const lw_container& container, format::EnvironmentHeader& header);
 lw_result readPrmHeader(const lw_container& container, format::PrmHeader& header);
 
 bool allFinite(const float* values, size_t count);

@@ -125,7 +125,7 @@ LW_API lw_result lw_open_reader(const lw_reader *reader, const lw_config *config
 /* Closes a container. What was loaded from it (lw_prm) stays valid. */
 LW_API void lw_close(lw_container *container);
 
-/* 1 when the container has this section ("scene", "geometry", "atlas", "prm") in a version that this library knows, else 0. */
+/* 1 when the container has this section ("scene", "geometry", "atlas", "prm", "environment") in a version that this library knows, else 0. */
 LW_API int lw_has_section(const lw_container *container, const char *section);
 
 /* ---- Scene ------------------------------------------------------------------------------------------------------------------------ */
@@ -316,6 +316,72 @@ LW_API size_t lw_prm_scratch_bytes(const lw_prm *prm);
  *   bilinear lookup is safe everywhere on the surface; other texels are zero. */
 LW_API lw_result lw_prm_evaluate(const lw_prm *prm, const float *cluster_irradiance_rgb, const lw_prm_options *options, void *scratch,
                                  size_t scratch_bytes, float *atlas_rgba);
+
+/* ---- Environment light ------------------------------------------------------------------------------------------------------------ */
+
+/* The light of a sky (after Barsi, Szirmay-Kalos, Szécsi: "Image-Based Illumination on the GPU", with a map for what is not occluded):
+ *
+ *   reflected = sky(R, n) − Σ_(cells that are no suns) (1 − visibility) · flux · a(cell, R, n) + Σ_(suns) visibility · flux · a(sun, R, n)
+ *
+ * `sky` is the integral over a small map of the sky without its suns, a(cell, R, n) the mean of max(0, cos)^n about R over the cell's
+ * light. Cells cut the sphere of directions: one shadow map or ray for each. */
+typedef struct lw_environment lw_environment;
+
+typedef struct lw_environment_info {
+  uint32_t cells;
+  uint32_t suns;                   /* the first so many cells: bright spots with edges of their own */
+  float max_shininess;             /* sharper lobes see the sky as blurred as this one does, at their own energy; suns stay sharp */
+  float sky_flux_rgb[3];           /* integral of radiance over all directions, without the suns */
+  float sky_radiance_sh[9][3];     /* real spherical harmonics of the sky without the suns, integral of L Y: Y00; Y1: y, z, x; Y2: xy, yz,
+                                      3zz − 1, xz, xx − yy; orthonormal, positive factors (no Condon-Shortley phase), no cosine folded in */
+} lw_environment_info;
+
+/* Decodes and checks the section "environment". Memory: about 24 bytes per node of the sky, 0.8 MB for the bake's default. Fails as
+ * lw_decode_array does.
+ *
+ * environment: receives a handle, to be released with lw_environment_release. */
+LW_API lw_result lw_environment_load(const lw_container *container, lw_environment **environment);
+LW_API void lw_environment_release(lw_environment *environment);
+
+LW_API lw_result lw_environment_get_info(const lw_environment *environment, lw_environment_info *info);
+
+/* The cells: suns first, then by falling luminance of their flux. Arrays live as long as the lw_environment. */
+typedef struct lw_environment_cells {
+  const float *direction;       /* [cells][3], unit, toward the light: the centroid of its power */
+  const float *flux_rgb;        /* [cells][3], integral of radiance over the cell: the irradiance on a surface that faces it */
+  const float *solid_angle_sr;  /* [cells], all together 4 pi */
+  const float *cos_radius;      /* [cells], cosine of the angular radius of a cap with that solid angle */
+  const float *spread;          /* [cells], 1 − mean cosine between the power and `direction`; 0 to 1 */
+  const float *covariance;      /* [cells][3], xx, xy, yy of the power on the tangents below */
+  const float *tangent;         /* [cells][3], unit; the other tangent is cross(direction, tangent) */
+} lw_environment_cells;
+LW_API lw_result lw_environment_get_cells(const lw_environment *environment, lw_environment_cells *cells);
+
+/* Light that arrives from the environment. All directions are of any finite length but zero; results are finite and ≥ 0. LW_INVALID_ARGUMENT
+ * when a number is out of range.
+ *
+ * visibility: [cells], 0 (hidden) to 1 for each cell; NULL: nothing is hidden.
+ *
+ * lw_environment_irradiance: about a normal. lw_environment_phong: the integral of radiance times cos^shininess of the angle to `mirror` over
+ * the half sphere around it; shininess 1 to 1e5. lw_environment_ggx: mean radiance under the GGX filter of glTF's perceptual roughness (0 to
+ * 1, below 0.075 as 0.075) about `mirror`, for the split-sum approximation (Karis 2013): multiply it with the reflectance of view and
+ * roughness. */
+LW_API lw_result lw_environment_irradiance(const lw_environment *environment, const float normal[3], const float *visibility,
+                                           float irradiance_rgb[3]);
+LW_API lw_result lw_environment_phong(const lw_environment *environment, const float mirror[3], float shininess, const float *visibility,
+                                      float integral_rgb[3]);
+LW_API lw_result lw_environment_ggx(const lw_environment *environment, const float mirror[3], float roughness, const float *visibility,
+                                    float radiance_rgb[3]);
+
+/* Irradiance about a normal from coefficients as in lw_environment_info: π, 2π/3 and π/4 times the bands (Ramamoorthi and Hanrahan 2001), ≥ 0.
+ * For what needs neither shadows nor an lw_environment: nine coefficients are all it takes. */
+LW_API lw_result lw_sh_irradiance(const float radiance_sh[9][3], const float normal[3], float irradiance_rgb[3]);
+
+/* The lobes that lw_environment_ggx sums: weight · (shininess + 1) / 2 pi · cos^shininess, weights ≥ 0 that add to 1. */
+typedef struct lw_phong_lobe {
+  float weight, shininess;
+} lw_phong_lobe;
+LW_API lw_result lw_ggx_lobes(float roughness, lw_phong_lobe lobes[4]);
 
 #ifdef __cplusplus
 }
