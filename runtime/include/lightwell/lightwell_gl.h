@@ -157,6 +157,89 @@ LW_API lw_result lw_gl_read_entries(lw_gl_prm *gl_prm, float *entry_irradiance_r
 LW_API lw_result lw_gl_read_clusters(lw_gl_prm *gl_prm, float *cluster_irradiance_rgb);   /* [clusters][3] */
 LW_API lw_result lw_gl_read_atlas(lw_gl_prm *gl_prm, float *atlas_rgba);                  /* [height][width][4] */
 
+/* ---- Environment light ------------------------------------------------------------------------------------------------------------ */
+
+/* A sky on the GPU: its cells in a uniform block, a prefiltered picture for what is not hidden, and a depth map for each cell.
+ * The game's shaders light surfaces with the functions of LW_GLSL_ENVIRONMENT; all take unit vectors in the container's axes:
+ *
+ *   vec3 lwEnvironmentRadiance(vec3 direction)                     the sky itself, suns as discs: backgrounds
+ *   vec3 lwEnvironmentHarmonicIrradiance(vec3 normal)              nine coefficients, no texture: what is small or far away
+ *   vec3 lwEnvironmentIrradiance(vec3 normal)                      unoccluded, exact: what needs no shadow
+ *   vec3 lwEnvironmentLobe(vec3 mirror, float shininess)           unoccluded integral of radiance × cos^shininess, 1 to 1e5
+ *   vec3 lwEnvironmentGgx(vec3 mirror, float roughness)            unoccluded mean radiance under the GGX filter (lw_environment_ggx)
+ *   vec3 lwEnvironmentDiffuse(vec3 position_m, vec3 facing, vec3 normal)                       irradiance, shadowed
+ *   LwEnvironmentLight lwEnvironmentPhong(position_m, facing, normal, mirror, shininess)       .irradiance and .lobe, shadowed
+ *   LwEnvironmentLight lwEnvironmentRough(position_m, facing, normal, mirror, roughness)       the same with GGX
+ *
+ * `facing` is the surface's true normal on the lit side (of the triangle, not interpolated): cells below it are hidden by the surface.
+ * A diffuse surface shows albedo / pi × irradiance. A program that has more than 256 cells to hold defines LW_ENVIRONMENT_CELLS before
+ * the source; OpenGL guarantees room for 318. */
+typedef struct lw_gl_environment lw_gl_environment;
+
+typedef struct lw_gl_environment_options {
+  size_t size;               /* sizeof(lw_gl_environment_options), set by LW_GL_ENVIRONMENT_OPTIONS_INIT */
+  uint32_t cells;            /* use only the first so many (suns, then the brightest), which then carry the light of all; 0: all */
+  uint32_t map_texels;       /* side of a cell's depth map, 16 to 2048; 2 bytes a texel */
+  float bounds_min_m[3];     /* of everything that casts shadow, relative to the container's origin */
+  float bounds_max_m[3];
+} lw_gl_environment_options;
+#define LW_GL_ENVIRONMENT_OPTIONS_INIT {sizeof(lw_gl_environment_options), 0, 256, {-1, -1, -1}, {1, 1, 1}}
+
+/* Uploads a sky and prefilters its picture, which takes about half a second of the calling thread. `environment` is not used afterwards.
+ * Until depth maps are drawn nothing is hidden.
+ * Fails with LW_LIMIT_EXCEEDED (texture or uniform block sizes), LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT. */
+LW_API lw_result lw_gl_environment_create(lw_gl *gl, const lw_environment *environment, const lw_gl_environment_options *options,
+                                          lw_gl_environment **gl_environment);
+LW_API void lw_gl_environment_destroy(lw_gl_environment *gl_environment);
+
+/* Cells in use; 0 for NULL. */
+LW_API uint32_t lw_gl_environment_cells(const lw_gl_environment *gl_environment);
+/* Bytes of texture memory that were asked for; 0 for NULL. */
+LW_API uint64_t lw_gl_environment_texture_bytes(const lw_gl_environment *gl_environment);
+
+/* Fits the depth maps to other bounds. All of them count as never drawn then, and hide nothing until they are. */
+LW_API lw_result lw_gl_environment_set_bounds(lw_gl_environment *gl_environment, const float bounds_min_m[3], const float bounds_max_m[3]);
+
+/* Draws everything that casts shadow into one depth map. In state: framebuffer, viewport and scissor of the map, depth test (less or equal)
+ * and mask on, culling, blending, stencil test and polygon offset off, glDepthRange and glClipControl as the game has them, which
+ * must be OpenGL's defaults. The callback may change any state that the library restores, and the depth state; it must draw into the
+ * bound framebuffer. Casters may be one-sided or not; front faces are counter-clockwise as ever.
+ *
+ * cell: its number. view_projection: container coordinates to clip coordinates, column-major, orthographic. */
+typedef void (*lw_gl_draw_casters)(void *user, uint32_t cell, const float view_projection[16]);
+
+/* Draws at most `most_maps` depth maps: those never drawn first, then by falling power × age, the age counted in calls of this function.
+ * Every map has its turn. With the number of cells, all are drawn; a few per frame follow casters that move.
+ * State: besides the above, the depth test, function and mask, scissor box, stencil test and polygon offset are restored.
+ *
+ * refreshed: NULL, or receives the number of maps drawn. */
+LW_API lw_result lw_gl_environment_refresh(lw_gl_environment *gl_environment, uint32_t most_maps, lw_gl_draw_casters draw, void *user,
+                                           uint32_t *refreshed);
+
+enum {
+  LW_ENVIRONMENT_SHARE = 0,      /* the sky's exact light, less the share of it that the hidden cells have; and visible suns */
+  LW_ENVIRONMENT_SUM = 1,        /* the sum of visible cells, each with its own spread */
+  LW_ENVIRONMENT_SUM_PAPER = 2,  /* the sum with the paper's average reflectivity: even light over a round cell */
+  LW_ENVIRONMENT_UNSHADOWED = 3
+};
+
+typedef struct lw_gl_environment_shading {
+  size_t size;               /* sizeof(lw_gl_environment_shading), set by LW_GL_ENVIRONMENT_SHADING_INIT */
+  uint32_t technique;        /* LW_ENVIRONMENT_… */
+  uint32_t filter_taps;      /* 1 or 4 filtered comparisons for each cell */
+  float scale_rgb[3];        /* of all radiance of the sky */
+} lw_gl_environment_shading;
+#define LW_GL_ENVIRONMENT_SHADING_INIT {sizeof(lw_gl_environment_shading), LW_ENVIRONMENT_SHARE, 1, {1, 1, 1}}
+
+/* Gives a program what LW_GLSL_ENVIRONMENT reads: textures on the units first_unit and first_unit + 1 (their sampler objects are set too), and
+ * the uniform buffer at the binding point `binding`. These bindings stay; the rest of the state is restored. The shading belongs to the
+ * environment: the last call counts for all programs.
+ * LW_NOT_FOUND when the program does not use the snippet, LW_LIMIT_EXCEEDED when its LW_ENVIRONMENT_CELLS is too small.
+ *
+ * shading: NULL for LW_GL_ENVIRONMENT_SHADING_INIT. */
+LW_API lw_result lw_gl_bind_environment(lw_gl_environment *gl_environment, uint32_t program, uint32_t first_unit, uint32_t binding,
+                                        const lw_gl_environment_shading *shading);
+
 /* ---- For the game's own shaders --------------------------------------------------------------------------------------------------- */
 
 typedef enum lw_glsl {
@@ -168,7 +251,9 @@ typedef enum lw_glsl {
   LW_GLSL_LIGHT = 2,
   /* vec3 lwLocalBasesIrradiance(vec2 lightmap_uv): bilinear reconstruction from four texels, without an atlas texture.
      Its uniforms are set by lw_gl_bind_local_bases. */
-  LW_GLSL_LOCAL_BASES = 3
+  LW_GLSL_LOCAL_BASES = 3,
+  /* Light of a sky, for fragment shaders; see "Environment light" above. */
+  LW_GLSL_ENVIRONMENT = 4
 } lw_glsl;
 
 /* GLSL source without a #version line, good for `#version 330 core` and `#version 300 es` alike. On ES it sets the default precision to highp

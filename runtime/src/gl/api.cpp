@@ -47,6 +47,7 @@ lw_result Api::load(const lw_gl_config& config, const Host& host) {
 #undef LW_GL_LOAD
   GetIntegerv(kMaxTextureSize, &max_texture_size);
   GetIntegerv(kMaxArrayTextureLayers, &max_array_layers);
+  GetIntegerv(kMaxUniformBlockSize, &max_uniform_block_bytes);
   return LW_OK;
 }
 

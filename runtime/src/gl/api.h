@@ -42,39 +42,53 @@ inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505, kTriangles = 0x0004, 
                       kReadFramebufferBinding = 0x8CAA, kFramebufferComplete = 0x8CD5, kColorAttachment0 = 0x8CE0, kRgba32ui = 0x8D70,
                       kRgb16ui = 0x8D77, kRgb8ui = 0x8D7D, kRgb16i = 0x8D89, kRgb8i = 0x8D8F,
                       kRedInteger = 0x8D94, kRgbInteger = 0x8D98, kRgbaInteger = 0x8D99,
-                      kRgba8Snorm = 0x8F97, kColor = 0x1800, kFrontAndBack = 0x0408;
+                      kRgba8Snorm = 0x8F97, kColor = 0x1800, kFrontAndBack = 0x0408, kDepth = 0x1801, kDepthTest = 0x0B71,
+                      kDepthWritemask = 0x0B72, kDepthFunc = 0x0B74, kStencilTest = 0x0B90, kScissorBox = 0x0C10,
+                      kPolygonOffsetFill = 0x8037, kDepthComponent = 0x1902, kDepthComponent16 = 0x81A5, kDepthAttachment = 0x8D00,
+                      kStaticDraw = 0x88E4, kUniformBuffer = 0x8A11, kUniformBufferBinding = 0x8A28, kMaxUniformBlockSize = 0x8A30,
+                      kUniformBlockDataSize = 0x8A40;
+/// What glGetUniformBlockIndex answers when there is no such block.
+inline constexpr uint32_t kInvalidIndex = 0xffffffffu;
 
 // X(return type, name without "gl", parameters)
 #define LW_GL_FUNCTIONS(X) \
   X(void, ActiveTexture, (Enum unit)) \
   X(void, AttachShader, (Name program, Name shader)) \
   X(void, BindBuffer, (Enum target, Name buffer)) \
+  X(void, BindBufferBase, (Enum target, uint32_t index, Name buffer)) \
   X(void, BindFramebuffer, (Enum target, Name framebuffer)) \
   X(void, BindSampler, (uint32_t unit, Name sampler)) \
   X(void, BindTexture, (Enum target, Name texture)) \
   X(void, BindVertexArray, (Name array)) \
+  X(void, BufferData, (Enum target, ptrdiff_t bytes, const void* data, Enum usage)) \
+  X(void, BufferSubData, (Enum target, ptrdiff_t offset, ptrdiff_t bytes, const void* data)) \
   X(Enum, CheckFramebufferStatus, (Enum target)) \
   X(void, ClearBufferfv, (Enum buffer, int32_t index, const float* value)) \
   X(void, ColorMask, (uint8_t r, uint8_t g, uint8_t b, uint8_t a)) \
   X(void, CompileShader, (Name shader)) \
   X(Name, CreateProgram, (void)) \
   X(Name, CreateShader, (Enum type)) \
+  X(void, DeleteBuffers, (int32_t count, const Name* names)) \
   X(void, DeleteFramebuffers, (int32_t count, const Name* names)) \
   X(void, DeleteProgram, (Name program)) \
   X(void, DeleteSamplers, (int32_t count, const Name* names)) \
   X(void, DeleteShader, (Name shader)) \
   X(void, DeleteTextures, (int32_t count, const Name* names)) \
   X(void, DeleteVertexArrays, (int32_t count, const Name* names)) \
+  X(void, DepthFunc, (Enum function)) \
+  X(void, DepthMask, (uint8_t flag)) \
   X(void, Disable, (Enum capability)) \
   X(void, DrawArrays, (Enum mode, int32_t first, int32_t count)) \
   X(void, DrawBuffers, (int32_t count, const Enum* buffers)) \
   X(void, Enable, (Enum capability)) \
   X(void, FramebufferTexture2D, (Enum target, Enum attachment, Enum texture_target, Name texture, int32_t level)) \
   X(void, FramebufferTextureLayer, (Enum target, Enum attachment, Name texture, int32_t level, int32_t layer)) \
+  X(void, GenBuffers, (int32_t count, Name* names)) \
   X(void, GenFramebuffers, (int32_t count, Name* names)) \
   X(void, GenSamplers, (int32_t count, Name* names)) \
   X(void, GenTextures, (int32_t count, Name* names)) \
   X(void, GenVertexArrays, (int32_t count, Name* names)) \
+  X(void, GetActiveUniformBlockiv, (Name program, uint32_t block, Enum name, int32_t* values)) \
   X(void, GetBooleanv, (Enum name, uint8_t* values)) \
   X(Enum, GetError, (void)) \
   X(void, GetIntegerv, (Enum name, int32_t* values)) \
@@ -84,12 +98,15 @@ inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505, kTriangles = 0x0004, 
   X(void, GetShaderiv, (Name shader, Enum name, int32_t* value)) \
   X(const uint8_t*, GetString, (Enum name)) \
   X(const uint8_t*, GetStringi, (Enum name, uint32_t index)) \
+  X(uint32_t, GetUniformBlockIndex, (Name program, const char* name)) \
   X(int32_t, GetUniformLocation, (Name program, const char* name)) \
   X(uint8_t, IsEnabled, (Enum capability)) \
   X(void, LinkProgram, (Name program)) \
   X(void, PixelStorei, (Enum name, int32_t value)) \
+  X(void, ReadBuffer, (Enum buffer)) \
   X(void, ReadPixels, (int32_t x, int32_t y, int32_t width, int32_t height, Enum format, Enum type, void* pixels)) \
   X(void, SamplerParameteri, (Name sampler, Enum name, int32_t value)) \
+  X(void, Scissor, (int32_t x, int32_t y, int32_t width, int32_t height)) \
   X(void, ShaderSource, (Name shader, int32_t count, const char* const* strings, const int32_t* lengths)) \
   X(void, TexImage2D, (Enum target, int32_t level, int32_t internal_format, int32_t width, int32_t height, int32_t border, Enum format, \
                        Enum type, const void* pixels)) \
@@ -104,6 +121,7 @@ inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505, kTriangles = 0x0004, 
   X(void, Uniform1i, (int32_t location, int32_t x)) \
   X(void, Uniform2f, (int32_t location, float x, float y)) \
   X(void, Uniform4fv, (int32_t location, int32_t count, const float* values)) \
+  X(void, UniformBlockBinding, (Name program, uint32_t block, uint32_t binding)) \
   X(void, UniformMatrix4fv, (int32_t location, int32_t count, uint8_t transpose, const float* values)) \
   X(void, UseProgram, (Name program)) \
   X(void, Viewport, (int32_t x, int32_t y, int32_t width, int32_t height))
@@ -128,7 +146,7 @@ struct Api {
   bool embedded = false;  // OpenGL ES
   int version = 0;        // 33 for 3.3
   bool indexed = false;   // the indexed functions are there
-  int32_t max_texture_size = 0, max_array_layers = 0;
+  int32_t max_texture_size = 0, max_array_layers = 0, max_uniform_block_bytes = 0;
 
   lw_result load(const lw_gl_config& config, const Host& host);
   void clearErrors() const {

@@ -144,6 +144,7 @@ const char* lw_glsl_source(lw_glsl snippet) {
     case LW_GLSL_ATLAS: return gl::glsl::kAtlas;
     case LW_GLSL_LIGHT: return gl::glsl::kLight;
     case LW_GLSL_LOCAL_BASES: return gl::glsl::kLocalBases;
+    case LW_GLSL_ENVIRONMENT: return gl::glsl::kEnvironment;
   }
   return nullptr;
 }
