@@ -64,18 +64,25 @@ const char* visibilityFault(const lw_environment& e, const float* visibility) {
 
 /// Adds weight · ∫ L max(0, cos)^n dω.
 void addLobe(const lw_environment& e, const float* axis, float n, const float* visibility, double weight, double* sum_rgb) {
-  double lobe_rgb[3] = {};
-  e.sky.addIntegral(axis, n, lobe_rgb);
-  for (uint32_t i = 0; i < e.header.cells; ++i) {
-    const bool is_sun = i < e.header.suns;
-    const float visible = visibility ? visibility[i] : 1.0f, share = is_sun ? visible : visible - 1;
-    if (share == 0) continue;
+  double sky_rgb[3] = {}, suns_rgb[3] = {}, all_rgb[3] = {}, hidden_rgb[3] = {};
+  e.sky.addIntegral(axis, n, sky_rgb);
+  for (uint32_t i = 0; i < (visibility ? e.header.cells : e.header.suns); ++i) {
     const Local local = localOf(e, i, axis);
+    const bool is_sun = i < e.header.suns;
+    // About a normal: a cell whose centre is below the horizon says nothing about its light above it.
+    if (!is_sun && n == 1 && local.cosine <= 0) continue;
+    const float visible = visibility ? visibility[i] : 1.0f;
     const float average = n == 1 ? averageCosine(local, e.spread[i], &e.covariance[i * 3]) : averageCosinePower(local, &e.covariance[i * 3], n);
-    for (int c = 0; c < 3; ++c) lobe_rgb[c] += double(share) * e.flux_rgb[i * 3 + uint32_t(c)] * average;
+    for (uint32_t c = 0; c < 3; ++c) {
+      const double light = double(e.flux_rgb[i * 3 + c]) * average;
+      if (is_sun) suns_rgb[c] += light * visible;
+      else all_rgb[c] += light, hidden_rgb[c] += light * (1 - visible);
+    }
   }
-  // What is hidden is known by cells, the sky exactly: the rest of a sky that is all but hidden may come out below nothing.
-  for (int c = 0; c < 3; ++c) sum_rgb[c] += weight * std::max(0.0, lobe_rgb[c]);
+  for (int c = 0; c < 3; ++c) {
+    const double share = all_rgb[c] > 0 ? std::clamp(1 - hidden_rgb[c] / all_rgb[c], 0.0, 1.0) : 1.0;
+    sum_rgb[c] += weight * (std::max(0.0, sky_rgb[c]) * share + suns_rgb[c]);
+  }
 }
 
 lw_result answer(const double* sum_rgb, float* out_rgb) {

@@ -321,10 +321,12 @@ LW_API lw_result lw_prm_evaluate(const lw_prm *prm, const float *cluster_irradia
 
 /* The light of a sky (after Barsi, Szirmay-Kalos, Szécsi: "Image-Based Illumination on the GPU", with a map for what is not occluded):
  *
- *   reflected = sky(R, n) − Σ_(cells that are no suns) (1 − visibility) · flux · a(cell, R, n) + Σ_(suns) visibility · flux · a(sun, R, n)
+ *   reflected = sky(R, n) · (1 − Σ_cells (1 − visibility) · flux · a(cell, R, n) / Σ_cells flux · a(cell, R, n))
+ *             + Σ_suns visibility · flux · a(sun, R, n)
  *
- * `sky` is the integral over a small map of the sky without its suns, a(cell, R, n) the mean of max(0, cos)^n about R over the cell's
- * light. Cells cut the sphere of directions: one shadow map or ray for each. */
+ * `sky` is the integral over a small map of the sky without its suns, `cells` are those that are no suns, a(cell, R, n) is the mean of
+ * max(0, cos)^n about R over the cell's light. Cells cut the sphere of directions: one shadow map or ray for each. About a normal only
+ * cells above the horizon count in the two sums. */
 typedef struct lw_environment lw_environment;
 
 typedef struct lw_environment_info {
