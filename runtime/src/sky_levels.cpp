@@ -10,8 +10,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846, kQuarterPi = kPi / 4;
 constexpr uint32_t kCoarsestFace = 16, kTileNodes = 8;  // nodes along an edge of a tile
-// Node spacing over the lobe's standard deviation 1/√n: what the finest level is trusted with, and what a coarser one must reach.
-constexpr float kFinestRatio = 0.9f, kCoarserRatio = 0.5f;
 constexpr float kKinkedShininess = 4, kKinkSpacing = 0.05f;  // below, the lobe's slope breaks at the horizon: it takes nodes at least this close
 constexpr float kNegligible = 1e-7f;                         // of the lobe's peak
 
@@ -148,19 +146,19 @@ float SkyLevels::maxShininess() const {
   return std::max(1.0f, ratio * ratio);
 }
 
-const SkyLevel& SkyLevels::levelFor(float shininess) const {
+const SkyLevel& SkyLevels::levelFor(float shininess, float node_ratio) const {
   uint32_t chosen = 0;
   while (chosen + 1 < level_count_) {
     const float spacing = levels_[chosen + 1].spacing_rad;
-    if (spacing * std::sqrt(shininess) > kCoarserRatio || (shininess < kKinkedShininess && spacing > kKinkSpacing)) break;
+    if (spacing * std::sqrt(shininess) > node_ratio || (shininess < kKinkedShininess && spacing > kKinkSpacing)) break;
     ++chosen;
   }
   return levels_[chosen];
 }
 
-void SkyLevels::addIntegral(const float* axis, float shininess, double* sum_rgb) const {
+void SkyLevels::addIntegral(const float* axis, float shininess, double* sum_rgb, float node_ratio) const {
   const float n = std::min(shininess, maxShininess());
-  const SkyLevel& level = levelFor(n);
+  const SkyLevel& level = levelFor(n, node_ratio);
   const float least_cosine = std::pow(kNegligible, 1 / n);
   // cos(ψ + r) of the lobe's end ψ and a tile's radius r: farther tiles hold nothing. Beyond ψ + r = π there are none.
   const float sine = std::sqrt(std::max(0.0f, 1 - least_cosine * least_cosine));

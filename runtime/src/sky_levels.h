@@ -26,16 +26,19 @@ struct SkyLevel {
 
 class SkyLevels {
  public:
+  /// Node spacing in deviations of the lobe that the finest level is trusted with: 0.5 % of a real sky's light.
+  static constexpr float kFinestRatio = 0.9f;
   /// Node values [6][m + 1][m + 1][3] as halfs, finite. False when there is no memory.
   bool build(const Host& host, const format::EnvironmentHeader& header, const Array<uint16_t>& node_half);
 
   /// ∫ L max(0, cos)^shininess dω about the unit vector `axis`; shininess in [1, 1e5]. Adds to `sum_rgb`, possibly a little below 0.
-  void addIntegral(const float* axis, float shininess, double* sum_rgb) const;
+  /// `node_ratio`: how far apart nodes may lie, in deviations 1/√shininess of the lobe; up to kFinestRatio.
+  void addIntegral(const float* axis, float shininess, double* sum_rgb, float node_ratio = 0.5f) const;
   float maxShininess() const;
 
  private:
   static constexpr uint32_t kMostLevels = 8;
-  const SkyLevel& levelFor(float shininess) const;
+  const SkyLevel& levelFor(float shininess, float node_ratio) const;
 
   SkyLevel levels_[kMostLevels];  // finest first
   uint32_t level_count_ = 0;

@@ -11,12 +11,12 @@ namespace {
 
 // Spacing of the integrated nodes over the lobe's deviation 1/√n. Cubic interpolation halves it; a linear filter then is within 1 % of a
 // single bright point, and of less of a real sky.
-constexpr float kNodeRatio = 0.45f;
-constexpr uint32_t kFewestCells = 16;  // between integrated nodes along a face: the cosine's edge at the horizon is no smooth lobe
+constexpr float kNodeRatio = 0.65f;
+constexpr uint32_t kFewestCells = 8, kCosineCells = 16;  // between integrated nodes along a face; the cosine has an edge at the horizon
 constexpr double kPi = 3.14159265358979323846;
 
 uint32_t cellsFor(float shininess) {
-  return std::max(kFewestCells, uint32_t(std::ceil(0.5 * kPi * std::sqrt(double(shininess)) / kNodeRatio)));
+  return std::max(shininess > 1 ? kFewestCells : kCosineCells, uint32_t(std::ceil(0.5 * kPi * std::sqrt(double(shininess)) / kNodeRatio)));
 }
 
 /// Unit direction at the equal angles of face coordinates in [0, cells]: axis ±x, ±y, ±z, then the two next axes in cyclic order.
@@ -50,7 +50,7 @@ void integrateFace(const lw_environment& environment, float shininess, uint32_t 
       float direction[3];
       double sum[3] = {};
       faceDirection(face, x, y, cells, direction);
-      environment.sky.addIntegral(direction, shininess, sum);
+      environment.sky.addIntegral(direction, shininess, sum, SkyLevels::kFinestRatio);
       for (size_t c = 0; c < 3; ++c) rgb[(size_t(2 * y) * side + 2 * x) * 3 + c] = float(sum[c] * scale);
     }
   for (size_t c = 0; c < 3; ++c) {
