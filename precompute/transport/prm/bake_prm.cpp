@@ -47,7 +47,7 @@ struct PrmBaker::Impl {
 
   Impl(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings)
       : scene(scene), atlas(atlas), tracer(tracer), settings(settings), sides(surfaceSides(atlas)),
-        clusters(makeEntries(atlas, sides, settings.entries)), gatherer(scene, atlas, tracer, sides, clusters, settings.seed) {
+        clusters(makeEntries(scene, atlas, tracer, sides, settings.entries, settings.seed)), gatherer(scene, atlas, tracer, sides, clusters, settings.seed) {
     std::vector<SurfaceElement> elements;
     for (const auto& slot : atlas.slots) elements.push_back({slot.position, slot.normal});
     const size_t aim = std::max<size_t>(1, elements.size() / std::max(1u, settings.bases.block_texels));

@@ -1,41 +1,72 @@
 #include "precompute/transport/prm/entries.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
 
+#include "precompute/transport/prm/gather.h"
 
 namespace lightwell::transport {
 namespace {
 
 // Normals of one cluster span at most this chord along each axis: about 30°. Perpendicular walls are never mixed.
 constexpr float kNormalExtent = 0.5f;
-// A piece counts as flat when no texel is farther from the plane through its centroid than this share of its radius.
-constexpr float kFlatness = 0.02f;
+// Rays that show what a cluster sees, and the common share of it below which two neighbours are taken to be apart. Two samples of this size of
+// the same room, which has many groups, have about a third in common; across a wall nothing, through a door a few hundredths.
+constexpr uint32_t kSurroundingRays = 128;
+constexpr float kSameSurroundings = 0.3f;
+constexpr uint64_t kSurroundingStream = 1ull << 32;
 
+/// A patch of a cluster's surface.
 struct Member {
-  Vec3 position, normal;
+  std::array<Vec3, 3> corner;
+  Vec3 centroid, normal;
   float area;
 };
 
-/// One entry point for a piece of surface: its centroid, which makes the average of irradiance second-order accurate. Where the surface bends so much
-/// that the centroid leaves it, the nearest texel's centroid.
+Vec3 closestPointOnEdge(const Vec3& a, const Vec3& b, const Vec3& point) {
+  const Vec3 edge = b - a;
+  const float length2 = edge.length2();
+  return length2 > 0 ? a + edge * std::clamp((point - a).dot(edge) / length2, 0.0f, 1.0f) : a;
+}
+
+Vec3 closestPointOnTriangle(const std::array<Vec3, 3>& corner, const Vec3& point) {
+  const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+  bool inside = normal.length2() > 0;
+  for (int i = 0; i < 3; ++i) inside = inside && normal.cross(corner[(i + 1) % 3] - corner[i]).dot(point - corner[i]) >= 0;
+  if (inside) return point - normal * ((point - corner[0]).dot(normal) / normal.length2());
+  Vec3 closest = closestPointOnEdge(corner[0], corner[1], point);
+  for (int i = 1; i < 3; ++i) {
+    const Vec3 candidate = closestPointOnEdge(corner[i], corner[(i + 1) % 3], point);
+    if ((candidate - point).length2() < (closest - point).length2()) closest = candidate;
+  }
+  return closest;
+}
+
+/// One entry point for a piece of surface: the point of it next to its centroid, which makes the average of irradiance second-order accurate on
+/// flat pieces. The centroid itself may lie inside a column or under a box, where no light comes.
 void appendEntry(std::span<const Member> members, float total_area, PrmEntries& entries) {
   Vec3 centroid(0.0f), normal(0.0f);
-  float area = 0, widest = 0;
+  float area = 0;
   for (const auto& member : members) {
-    centroid += member.position * member.area;
+    centroid += member.centroid * member.area;
     normal += member.normal * member.area;
     area += member.area;
   }
   centroid /= area;
-  const Member* nearest = &members[0];
+  Vec3 position;
+  Vec3 normal_there;
+  float distance2 = std::numeric_limits<float>::infinity();
   for (const auto& member : members) {
-    if ((member.position - centroid).length2() < (nearest->position - centroid).length2()) nearest = &member;
-    widest = std::max(widest, (member.position - centroid).length());
+    const Vec3 candidate = closestPointOnTriangle(member.corner, centroid);
+    if ((candidate - centroid).length2() >= distance2) continue;
+    distance2 = (candidate - centroid).length2();
+    position = candidate;
+    normal_there = member.normal;
   }
-  bool flat = true;
-  for (const auto& member : members) flat = flat && std::abs((member.position - centroid).dot(nearest->normal)) <= kFlatness * widest;
-  entries.position.push_back(flat ? centroid : nearest->position);
-  entries.normal.push_back(flat ? normal.normalized() : nearest->normal);
+  entries.position.push_back(position);
+  entries.normal.push_back(normal.length2() > 0 ? normal.normalized() : normal_there);
   entries.weight.push_back(area / total_area);
 }
 
@@ -45,11 +76,11 @@ void appendPieces(std::span<Member> members, uint32_t count, float total_area, P
   Box3 box;
   double area = 0;
   for (const auto& member : members) {
-    box.extendBy(member.position);
+    box.extendBy(member.centroid);
     area += member.area;
   }
   const int axis = box.majorAxis();
-  std::stable_sort(members.begin(), members.end(), [axis](const Member& a, const Member& b) { return a.position[axis] < b.position[axis]; });
+  std::stable_sort(members.begin(), members.end(), [axis](const Member& a, const Member& b) { return a.centroid[axis] < b.centroid[axis]; });
   const uint32_t left_count = count / 2;
   const double left_area = area * left_count / count;
   size_t split = 0;
@@ -59,22 +90,45 @@ void appendPieces(std::span<Member> members, uint32_t count, float total_area, P
   appendPieces(members.subspan(split), count - left_count, total_area, entries);
 }
 
-/// `count` entry points (fewer where there are fewer texels) for the listed sides.
-void appendEntries(const atlas::Atlas& atlas, const Sides& sides, std::span<const uint32_t> member_sides, uint32_t count, PrmEntries& entries) {
+/// `count` entry points (fewer where there are fewer patches) for the listed sides.
+void appendEntries(const scene::Mesh& mesh, const atlas::Atlas& atlas, const Sides& sides, std::span<const uint32_t> member_sides, uint32_t count,
+                   PrmEntries& entries) {
   std::vector<Member> members;
   float total_area = 0;
   for (const uint32_t side : member_sides) {
     const auto& slot = atlas.slots[sides.slot[side]];
-    members.push_back({slot.position, sides.isBack(side) ? -slot.normal : slot.normal, slot.area});
-    total_area += slot.area;
+    for (const auto& patch : std::span(atlas.patches).subspan(slot.first_patch, slot.patch_count)) {
+      Member member;
+      for (int i = 0; i < 3; ++i) member.corner[i] = atlas::surfacePoint(mesh, patch.triangle, patch.corner[i].x, patch.corner[i].y).position;
+      const Vec2 middle = (patch.corner[0] + patch.corner[1] + patch.corner[2]) / 3.0f;
+      const auto point = atlas::surfacePoint(mesh, patch.triangle, middle.x, middle.y);
+      member.centroid = point.position;
+      member.normal = sides.isBack(side) ? -point.normal : point.normal;
+      member.area = patch.area;
+      total_area += patch.area;
+      members.push_back(member);
+    }
   }
   appendPieces(members, count, total_area, entries);
   entries.cluster_first_entry.push_back(uint32_t(entries.position.size()));
 }
 
-}  // namespace
+/// Fine clusters as lists of sides, those of one group in a row.
+struct ClusterList {
+  std::vector<uint32_t> cluster_first_side = {0}, cluster_side;
+  std::vector<uint32_t> group_of_cluster;
+  std::span<const uint32_t> sides(uint32_t cluster) const {
+    return std::span<const uint32_t>(cluster_side).subspan(cluster_first_side[cluster], cluster_first_side[cluster + 1] - cluster_first_side[cluster]);
+  }
+  void append(std::span<const uint32_t> sides_of_cluster, uint32_t group) {
+    cluster_side.insert(cluster_side.end(), sides_of_cluster.begin(), sides_of_cluster.end());
+    cluster_first_side.push_back(uint32_t(cluster_side.size()));
+    group_of_cluster.push_back(group);
+  }
+};
 
-EntryClusters makeEntries(const atlas::Atlas& atlas, const Sides& sides, const EntryOptions& options) {
+/// Groups of about the same extent, split into fine clusters of about the same smaller extent.
+ClusterList partitionSides(const atlas::Atlas& atlas, const Sides& sides, const EntryOptions& options) {
   std::vector<SurfaceElement> elements;
   std::vector<uint32_t> element_side;
   for (uint32_t side = 0; side < sides.slot.size(); ++side) {
@@ -83,68 +137,126 @@ EntryClusters makeEntries(const atlas::Atlas& atlas, const Sides& sides, const E
     elements.push_back({slot.position, sides.isBack(side) ? -slot.normal : slot.normal});
     element_side.push_back(side);
   }
-
-  EntryClusters result;
-  result.cluster_of_side.assign(sides.slot.size(), kNone);
-  result.cluster_first_side.push_back(0);
-  result.group_first_cluster.push_back(0);
-  result.entries.cluster_first_entry.push_back(0);
   const Partition groups = partitionByCount(elements, options.groups, kNormalExtent, elements.size());
   const float fine_ratio = std::sqrt(float(std::max(1u, options.groups)) / float(std::max(options.clusters, options.groups)));
 
   // The fine clusters split each group on its own, at an extent common to all: smaller than the groups' by the square root of the ratio of counts.
-  std::vector<float> group_extents;
+  std::vector<std::vector<SurfaceElement>> members(groups.count());
+  float group_extent = 0;
   for (uint32_t g = 0; g < groups.count(); ++g) {
     Box3 box;
-    for (uint32_t i = groups.first[g]; i < groups.first[g + 1]; ++i) box.extendBy(elements[groups.order[i]].position);
-    group_extents.push_back(maxComponent(box.size()));
+    for (uint32_t i = groups.first[g]; i < groups.first[g + 1]; ++i) {
+      members[g].push_back(elements[groups.order[i]]);
+      box.extendBy(members[g].back().position);
+    }
+    group_extent = std::max(group_extent, maxComponent(box.size()));
   }
-  const float group_extent = group_extents.empty() ? 1.0f : *std::max_element(group_extents.begin(), group_extents.end());
   float fine = group_extent * fine_ratio * 0.25f, coarse = group_extent * fine_ratio * 4.0f;
   std::vector<Partition> split(groups.count());
   for (int step = 0; step < 10 && groups.count() > 0; ++step) {
     const float extent = std::sqrt(fine * coarse);
     size_t total = 0;
     for (uint32_t g = 0; g < groups.count(); ++g) {
-      std::vector<SurfaceElement> members;
-      for (uint32_t i = groups.first[g]; i < groups.first[g + 1]; ++i) members.push_back(elements[groups.order[i]]);
-      split[g] = partitionByExtent(members, extent, kNormalExtent, members.size());
+      split[g] = partitionByExtent(members[g], extent, kNormalExtent, members[g].size());
       total += split[g].count();
     }
     (total > options.clusters ? fine : coarse) = extent;
   }
 
-  for (uint32_t g = 0; g < groups.count(); ++g) {
+  ClusterList list;
+  std::vector<uint32_t> cluster;
+  for (uint32_t g = 0; g < groups.count(); ++g)
     for (uint32_t c = 0; c < split[g].count(); ++c) {
-      float area = 0;
-      for (uint32_t i = split[g].first[c]; i < split[g].first[c + 1]; ++i) {
-        const uint32_t side = element_side[groups.order[groups.first[g] + split[g].order[i]]];
-        result.cluster_of_side[side] = uint32_t(result.group_of_cluster.size());
-        result.cluster_side.push_back(side);
-        area += atlas.slots[sides.slot[side]].area;
-      }
-      result.cluster_first_side.push_back(uint32_t(result.cluster_side.size()));
-      result.group_of_cluster.push_back(g);
-      result.area.push_back(area);
+      cluster.clear();
+      for (uint32_t i = split[g].first[c]; i < split[g].first[c + 1]; ++i)
+        cluster.push_back(element_side[groups.order[groups.first[g] + split[g].order[i]]]);
+      list.append(cluster, g);
     }
-    result.group_first_cluster.push_back(uint32_t(result.group_of_cluster.size()));
-  }
-  result.cluster_count = uint32_t(result.group_of_cluster.size());
-  result.group_count = groups.count();
+  return list;
+}
 
-  const auto membersOf = [&](uint32_t first_cluster, uint32_t end_cluster) {
-    const uint32_t begin = result.cluster_first_side[first_cluster], end = result.cluster_first_side[end_cluster];
-    return std::span<const uint32_t>(result.cluster_side).subspan(begin, end - begin);
-  };
-  for (uint32_t c = 0; c < result.cluster_count; ++c)
-    appendEntries(atlas, sides, membersOf(c, c + 1), options.points_per_cluster, result.entries);
-  for (uint32_t g = 0; g < result.group_count; ++g) {
-    const uint32_t first = result.group_first_cluster[g], end = result.group_first_cluster[g + 1];
-    float area = 0;
-    for (uint32_t c = first; c < end; ++c) area += result.area[c];
-    result.area.push_back(area);
-    appendEntries(atlas, sides, membersOf(first, end), options.points_per_group, result.entries);
+EntryClusters numberClusters(const atlas::Atlas& atlas, const Sides& sides, ClusterList list) {
+  EntryClusters result;
+  result.cluster_count = uint32_t(list.group_of_cluster.size());
+  result.group_count = list.group_of_cluster.empty() ? 0 : list.group_of_cluster.back() + 1;
+  result.cluster_of_side.assign(sides.slot.size(), kNone);
+  result.area.assign(result.cluster_count + result.group_count, 0.0f);
+  result.group_first_cluster.assign(result.group_count + 1, result.cluster_count);
+  for (uint32_t c = result.cluster_count; c-- > 0;) {
+    result.group_first_cluster[list.group_of_cluster[c]] = c;
+    for (const uint32_t side : list.sides(c)) {
+      result.cluster_of_side[side] = c;
+      result.area[c] += atlas.slots[sides.slot[side]].area;
+    }
+    result.area[result.cluster_count + list.group_of_cluster[c]] += result.area[c];
   }
+  result.cluster_first_side = std::move(list.cluster_first_side);
+  result.cluster_side = std::move(list.cluster_side);
+  result.group_of_cluster = std::move(list.group_of_cluster);
+  return result;
+}
+
+/// What a cluster sees: shares of the groups, by rays.
+using Surroundings = std::vector<std::pair<uint32_t, float>>;
+
+float overlap(const Surroundings& a, const Surroundings& b) {
+  float sum = 0;
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
+    if (i->first == j->first) sum += std::min((i++)->second, (j++)->second);
+    else if (i->first < j->first) ++i;
+    else ++j;
+  }
+  return sum;
+}
+
+/// Cuts groups where their clusters do not see the same surroundings: on both sides of a wall, in a sealed pocket, above and below a shelf. Light
+/// that is averaged over such a group would pass through the wall.
+ClusterList splitByVisibility(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
+                              const EntryClusters& clusters, uint64_t seed) {
+  const Gatherer gatherer(scene, atlas, tracer, sides, clusters, seed);
+  std::vector<Surroundings> surroundings(clusters.cluster_count);
+  for (uint32_t c = 0; c < clusters.cluster_count; ++c) {
+    uint32_t seen = 0;
+    for (const auto& [cluster, count] : gatherer.met(clusters.sidesOf(c), kSurroundingRays, kSurroundingStream + c)) {
+      const uint32_t group = clusters.group_of_cluster[cluster];
+      if (surroundings[c].empty() || surroundings[c].back().first != group) surroundings[c].emplace_back(group, 0.0f);
+      surroundings[c].back().second += float(count);
+      seen += count;
+    }
+    for (auto& [group, share] : surroundings[c]) share /= float(seen);
+  }
+  ClusterList list;
+  uint32_t group_count = 0;
+  for (uint32_t g = 0; g < clusters.group_count; ++g) {
+    std::vector<uint32_t> rest(clusters.group_first_cluster[g + 1] - clusters.group_first_cluster[g]);
+    std::iota(rest.begin(), rest.end(), clusters.group_first_cluster[g]);
+    while (!rest.empty()) {  // one connected part after another
+      std::vector<uint32_t> part = {rest.front()};
+      rest.erase(rest.begin());
+      for (size_t i = 0; i < part.size(); ++i) {
+        const auto joined = std::stable_partition(rest.begin(), rest.end(), [&](uint32_t c) {
+          return overlap(surroundings[part[i]], surroundings[c]) < kSameSurroundings;
+        });
+        part.insert(part.end(), joined, rest.end());
+        rest.erase(joined, rest.end());
+      }
+      std::sort(part.begin(), part.end());
+      for (const uint32_t c : part) list.append(clusters.sidesOf(c), group_count);
+      ++group_count;
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
+                          const EntryOptions& options, uint64_t seed) {
+  EntryClusters result = numberClusters(atlas, sides, partitionSides(atlas, sides, options));
+  if (options.split_by_visibility) result = numberClusters(atlas, sides, splitByVisibility(scene, atlas, tracer, sides, result, seed));
+  result.entries.cluster_first_entry.push_back(0);
+  for (uint32_t c = 0; c < result.cluster_count; ++c) appendEntries(scene.mesh, atlas, sides, result.sidesOf(c), options.points_per_cluster, result.entries);
+  for (uint32_t g = 0; g < result.group_count; ++g) appendEntries(scene.mesh, atlas, sides, result.sidesOfGroup(g), options.points_per_group, result.entries);
   return result;
 }
 

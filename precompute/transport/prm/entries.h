@@ -1,5 +1,8 @@
 // Entry points: where moving lights feed the precomputed transport. Clusters of them by position and normal, at two scales.
 #pragma once
+#include <span>
+
+#include "precompute/trace/tracer.h"
 #include "precompute/transport/prm/partition.h"
 #include "precompute/transport/prm/prm.h"
 #include "precompute/transport/prm/sides.h"
@@ -11,6 +14,7 @@ struct EntryOptions {
   uint32_t groups = 1024;            // aimed at; what has been reflected once more is smooth
   uint32_t points_per_cluster = 4;
   uint32_t points_per_group = 8;
+  bool split_by_visibility = true;   // cut groups that lie on both sides of a wall; adds some
 };
 
 /// A partition of the lit sides into fine clusters, each inside one coarse group, with entry points for both.
@@ -23,8 +27,18 @@ struct EntryClusters {
   std::vector<uint32_t> cluster_first_side, cluster_side;  // the sides of each fine cluster
   std::vector<uint32_t> group_first_cluster;               // the fine clusters of each group are consecutive
   PrmEntries entries;
+
+  std::span<const uint32_t> sidesOf(uint32_t cluster) const { return sidesBetween(cluster, cluster + 1); }
+  std::span<const uint32_t> sidesOfGroup(uint32_t group) const { return sidesBetween(group_first_cluster[group], group_first_cluster[group + 1]); }
+
+ private:
+  std::span<const uint32_t> sidesBetween(uint32_t first_cluster, uint32_t end_cluster) const {
+    return std::span<const uint32_t>(cluster_side).subspan(cluster_first_side[first_cluster],
+                                                           cluster_first_side[end_cluster] - cluster_first_side[first_cluster]);
+  }
 };
 
-EntryClusters makeEntries(const atlas::Atlas& atlas, const Sides& sides, const EntryOptions& options);
+EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
+                          const EntryOptions& options, uint64_t seed);
 
 }  // namespace lightwell::transport

@@ -71,7 +71,7 @@ Rgb Gatherer::emittedIrradiance(uint32_t side, uint32_t rays) const {
   return radiance_rgb * (kPi / float(rays));
 }
 
-GatherRow Gatherer::mean(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {
+std::vector<trace::Ray> Gatherer::meanRays(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {
   const Sampler sampler(seed_, kMeanStream + owner);
   std::vector<double> cumulative(members.size());
   double total = 0;
@@ -84,7 +84,30 @@ GatherRow Gatherer::mean(std::span<const uint32_t> members, uint32_t rays, uint6
     appendRay(sampleSide(scene_.mesh, atlas_, sides_, members[chosen], sampler.get1D(i, 0), sampler.get2D(i, 1)), sampler.get2D(i, 2),
               mixBits(combineKeys(kMeanStream + owner, i)), list);
   }
-  return trace(list, rays);
+  return list;
+}
+
+GatherRow Gatherer::mean(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {
+  return trace(meanRays(members, rays, owner), rays);
+}
+
+std::vector<std::pair<uint32_t, uint32_t>> Gatherer::met(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {
+  const auto list = meanRays(members, rays, owner);
+  std::vector<trace::Hit> hits(list.size());
+  tracer_.closest(list, hits);
+  std::vector<uint32_t> clusters;
+  for (const auto& hit : hits) {
+    if (hit.triangle == kNone) continue;
+    const uint32_t side = sides_.met(atlas_.slotAt(scene_.mesh, hit.triangle, hit.u, hit.v), hit.front);
+    if (side != kNone && clusters_.cluster_of_side[side] != kNone) clusters.push_back(clusters_.cluster_of_side[side]);
+  }
+  std::sort(clusters.begin(), clusters.end());
+  std::vector<std::pair<uint32_t, uint32_t>> counts;
+  for (const uint32_t cluster : clusters) {
+    if (counts.empty() || counts.back().first != cluster) counts.emplace_back(cluster, 0);
+    ++counts.back().second;
+  }
+  return counts;
 }
 
 }  // namespace lightwell::transport

@@ -28,10 +28,13 @@ class Gatherer {
   GatherRow side(uint32_t side, uint32_t rays) const;
   /// The area-weighted mean row over the sides `members` of a cluster or group; `owner` keys its random numbers.
   GatherRow mean(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
+  /// How many of `rays` rays of mean() meet each cluster: (cluster, count), clusters ascend.
+  std::vector<std::pair<uint32_t, uint32_t>> met(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
   /// Irradiance that one texel's side receives straight from emitting surfaces.
   Rgb emittedIrradiance(uint32_t side, uint32_t rays) const;
 
  private:
+  std::vector<trace::Ray> meanRays(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
   GatherRow trace(std::span<const trace::Ray> rays, uint32_t denominator) const;
   const scene::Scene& scene_;
   const atlas::Atlas& atlas_;
