@@ -73,6 +73,7 @@ class Program {
   ~Program() {
     if (name_) glDeleteProgram(name_);
   }
+  GLuint name() const { return name_; }
   void use() const { glUseProgram(name_); }
   /// Uniforms of the program in use; names that the program has no use for are ignored, as OpenGL does.
   void set(const char* uniform, int value) const { glUniform1i(location(uniform), value); }

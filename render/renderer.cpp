@@ -34,7 +34,7 @@ Float3 vector(const float v[3]) { return {v[0], v[1], v[2]}; }
 }  // namespace
 
 struct Renderer::Impl {
-  Impl(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user)
+  Impl(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user, const EnvironmentSettings& settings)
       : mesh(container),
         shadows(mesh),
         base_program(kSceneVertexGlsl, std::string(kAlphaGlsl) + lw_glsl_source(LW_GLSL_ATLAS) + kBaseFragmentGlsl),
@@ -47,7 +47,8 @@ struct Renderer::Impl {
     no_irradiance = makeTexture2D(GL_RGBA16F, 1, 1, GL_RGBA, GL_FLOAT, nothing, GL_NEAREST);
     lights.resize(mesh.info().light_count);
     for (uint32_t i = 0; i < lights.size(); ++i) check(lw_get_light(container, i, &lights[i]), "the container's lights");
-    if (!lw_has_section(container, "prm")) return;
+    const bool has_prm = lw_has_section(container, "prm"), has_environment = lw_has_section(container, "environment");
+    if (!has_prm && !has_environment) return;
     lw_gl_config config = LW_GL_CONFIG_INIT;
     config.loader = loader;
     config.loader_user = loader_user;
@@ -56,12 +57,24 @@ struct Renderer::Impl {
     lw_gl* made_gl = nullptr;
     checkGl(lw_gl_create(&config, &made_gl), "OpenGL evaluation");
     gl.reset(made_gl);
+    if (has_environment) makeEnvironment(container, settings);
+    if (!has_prm) return;
     lw_prm* loaded = nullptr;
     check(lw_prm_load(container, &loaded), "the container's transport");
     const std::unique_ptr<lw_prm, ReleaseGl> prm(loaded);
     lw_gl_prm* made_prm = nullptr;
     checkGl(lw_gl_prm_create(gl.get(), prm.get(), nullptr, &made_prm), "OpenGL evaluation");
     transport.reset(made_prm);
+  }
+
+  void makeEnvironment(const lw_container* container, const EnvironmentSettings& settings) {
+    try {
+      environment.emplace(container, gl.get(), mesh, settings);
+    } catch (const RenderError& error) {
+      // More or fewer cells than can be, or larger maps: this machine's limits, not the container's fault.
+      if (error.result != LW_LIMIT_EXCEEDED && error.result != LW_INVALID_ARGUMENT) throw;
+      throw RenderError(LW_GL_UNSUPPORTED, "the environment: " + last_message);
+    }
   }
 
   void checkGl(lw_result result, const char* what) const {
@@ -82,6 +95,7 @@ struct Renderer::Impl {
   /// Brings shadow maps and atlas up to date with the lights and the part of the light that is asked for.
   void updateLight(LightPart part) {
     if (lights_changed) timed(times.shadows_ms, [&] { shadows.update(lights); });
+    if (environment) timed(times.environment_ms, [&] { environment->update(); });
     if (transport && (lights_changed || atlas_part != part)) timed(times.transport_ms, [&] { updateAtlas(part); });
     lights_changed = false;
     atlas_part = part;
@@ -130,8 +144,15 @@ struct Renderer::Impl {
     const Float3 background = view.background_radiance_rgb * exposure;
     glClearColor(std::min(background[0], 6e4f), std::min(background[1], 6e4f), std::min(background[2], 6e4f), 1);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    const bool shows_sky = environment && view.part != LightPart::indirect;
+    if (shows_sky) {
+      const Float3 right = normalized(cross(view.forward, view.up)), up = cross(right, view.forward);
+      const float slope = std::tan(view.vertical_fov_rad / 2), aspect = float(view.width) / float(view.height);
+      environment->drawBackground(view.forward, right * (slope * aspect), up * slope, exposure);
+    }
     for (const SceneMesh::Kind kind : {SceneMesh::Kind::solid, SceneMesh::Kind::blended}) {
       drawBase(kind, view, view_projection, exposure);
+      if (shows_sky) drawEnvironment(kind, view, view_projection, exposure);
       if (view.part != LightPart::indirect)
         for (const ShadowMap& map : shadows.maps()) drawLight(kind, map, view, view_projection, exposure);
     }
@@ -158,6 +179,23 @@ struct Renderer::Impl {
     mesh.draw(kind, base_program, kAlphaUnit, true);
   }
 
+  /// Adds light to the surfaces that drawBase has drawn, and to nothing else.
+  void addToSurfaces(SceneMesh::Kind kind, const Program& program) const {
+    bindTexture(kAlbedoUnit, GL_TEXTURE_2D, mesh.albedoAtlas());
+    glDepthFunc(GL_EQUAL);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    mesh.draw(kind, program, kAlphaUnit, true);
+    glDepthMask(GL_TRUE);
+  }
+
+  void drawEnvironment(SceneMesh::Kind kind, const View& view, const Matrix4& view_projection, float exposure) const {
+    environment->bind();
+    setSurface(environment->surfaceProgram(), view, view_projection, exposure);
+    addToSurfaces(kind, environment->surfaceProgram());
+  }
+
   void drawLight(SceneMesh::Kind kind, const ShadowMap& map, const View& view, const Matrix4& view_projection, float exposure) const {
     const bool cube = map.light.shadow == LW_GL_SHADOW_CUBE;
     const Program& program = cube ? cube_light_program : flat_light_program;
@@ -177,13 +215,7 @@ struct Renderer::Impl {
     program.set("shadow_texel", 1 / float(map.resolution));
     program.set("shadow_map", kShadowUnit);
     bindTexture(kShadowUnit, cube ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D, map.texture);
-    bindTexture(kAlbedoUnit, GL_TEXTURE_2D, mesh.albedoAtlas());
-    glDepthFunc(GL_EQUAL);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE);
-    mesh.draw(kind, program, kAlphaUnit, true);
-    glDepthMask(GL_TRUE);
+    addToSurfaces(kind, program);
   }
 
   void drawLamps(const View& view, const Matrix4& view_projection) const {
@@ -278,6 +310,7 @@ struct Renderer::Impl {
   Texture no_irradiance;
   std::unique_ptr<lw_gl, ReleaseGl> gl;
   std::unique_ptr<lw_gl_prm, ReleaseGl> transport;
+  std::optional<EnvironmentLight> environment;
   RenderTarget target, meter_target;
   std::vector<lw_light> lights;
   bool lights_changed = true;
@@ -287,8 +320,9 @@ struct Renderer::Impl {
   FrameTimes times;
 };
 
-Renderer::Renderer(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user)
-    : impl_(std::make_unique<Impl>(container, loader, loader_user)) {}
+Renderer::Renderer(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user,
+                   const EnvironmentSettings& environment)
+    : impl_(std::make_unique<Impl>(container, loader, loader_user, environment)) {}
 Renderer::~Renderer() = default;
 
 void Renderer::setLights(std::span<const lw_light> lights) {
@@ -298,6 +332,7 @@ void Renderer::setLights(std::span<const lw_light> lights) {
 const std::vector<lw_light>& Renderer::lights() const { return impl_->lights; }
 const lw_scene_info& Renderer::sceneInfo() const { return impl_->mesh.info(); }
 bool Renderer::hasTransport() const { return impl_->transport != nullptr; }
+bool Renderer::hasEnvironment() const { return impl_->environment.has_value(); }
 void Renderer::draw(const View& view, uint32_t framebuffer) { impl_->draw(view, framebuffer, true); }
 float Renderer::meterExposure(const View& view) { return impl_->meter(view); }
 void Renderer::measureTimes(bool on) { impl_->measure = on; }

@@ -1,4 +1,4 @@
-// Draws a container: live direct light with shadow maps, indirect light from the runtime's atlas, emitting surfaces.
+// Draws a container: live direct light with shadow maps, a sky with its own, indirect light from the runtime's atlas, emitting surfaces.
 //
 //   render::EglContext context;                                    // or a window's
 //   render::Renderer renderer(container, render::EglContext::load, nullptr);
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "lightwell/lightwell_gl.h"
+#include "render/environment_light.h"
 #include "render/png.h"
 #include "render/view.h"
 
@@ -21,6 +22,7 @@ namespace lightwell::render {
 /// Wall time of the parts of a frame, milliseconds; each waits for the GPU, so only measured on request.
 struct FrameTimes {
   double shadows_ms = 0;    // depth maps of the lights that moved
+  double environment_ms = 0;  // depth maps of the sky
   double transport_ms = 0;  // lw_gl_update_entries and lw_gl_evaluate
   double shading_ms = 0;    // the picture
 };
@@ -28,8 +30,9 @@ struct FrameTimes {
 class Renderer {
  public:
   /// Decodes and uploads; `container` is not used afterwards. `loader` as in lw_gl_config. A container without a transport ("prm") shows
-  /// direct light only. Throws RenderError.
-  Renderer(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user);
+  /// direct light only; one with an environment shows its sky and is lit by it. Throws RenderError.
+  Renderer(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user,
+           const EnvironmentSettings& environment = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -39,6 +42,7 @@ class Renderer {
   const std::vector<lw_light>& lights() const;
   const lw_scene_info& sceneInfo() const;
   bool hasTransport() const;
+  bool hasEnvironment() const;
 
   /// Draws into `framebuffer` (0: the window's) of at least view.width × view.height pixels, sRGB-encoded. With an empty
   /// exposure_ev, meters first.

@@ -143,6 +143,40 @@ void main() {
 }
 )";
 
+const char* const kEnvironmentFragmentGlsl = R"(
+uniform sampler2D albedo_atlas;
+uniform float uniform_albedo;
+uniform float exposure;
+out vec4 color;
+void main() {
+  float alpha = surfaceAlpha();
+  vec3 normal = normalize(gl_FrontFacing ? v_normal : -v_normal);
+  vec3 facing = cross(dFdx(v_position), dFdy(v_position));
+  facing = dot(facing, facing) > 0.0 ? normalize(facing) : normal;
+  if (dot(facing, normal) < 0.0) facing = -facing;
+  vec3 irradiance = lwEnvironmentDiffuse(v_position, facing, normal);
+  vec3 albedo = uniform_albedo < 0.0 ? texture(albedo_atlas, v_lightmap_uv).rgb : vec3(uniform_albedo);
+  color = vec4(min(lwDiffuseRadiance(albedo, irradiance) * exposure, vec3(60000.0)) * alpha, 0.0);
+}
+)";
+
+const char* const kBackgroundVertexGlsl = R"(
+uniform vec3 forward, right, up;
+out vec3 v_direction;
+void main() {
+  vec2 at = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  v_direction = forward + right * at.x + up * at.y;
+  gl_Position = vec4(at, 0.0, 1.0);
+}
+)";
+
+const char* const kBackgroundFragmentGlsl = R"(
+uniform float exposure;
+in vec3 v_direction;
+out vec4 color;
+void main() { color = vec4(min(lwEnvironmentRadiance(normalize(v_direction)) * exposure, vec3(60000.0)), 1.0); }
+)";
+
 const char* const kLampVertexGlsl = R"(
 uniform mat4 view_projection;
 uniform vec3 center, right, up;

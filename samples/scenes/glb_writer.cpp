@@ -93,7 +93,7 @@ Json encodeMaterial(const Material& material) {
   Json json{{"name", material.name},
             {"pbrMetallicRoughness",
              {{"baseColorFactor", {tidy(material.albedo_rgb.x), tidy(material.albedo_rgb.y), tidy(material.albedo_rgb.z), 1.0}},
-              {"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}}};
+              {"metallicFactor", 0.0}, {"roughnessFactor", tidy(material.roughness)}}}};
   const float strength = maxComponent(material.emitted_radiance_rgb);
   if (strength > 0) {
     json["emissiveFactor"] = tidy3(material.emitted_radiance_rgb / strength);

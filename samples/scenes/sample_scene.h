@@ -33,6 +33,7 @@ struct Material {
   std::string name;
   Rgb albedo_rgb;                      // linear
   Rgb emitted_radiance_rgb{0, 0, 0};
+  float roughness = 1;                 // perceptual, as glTF has it
 };
 
 enum class LampType { point, spot, directional };
@@ -61,5 +62,9 @@ SampleScene makeCornellBox(bool emissive_lamp);
 SampleScene makeMarbleChamber();
 SampleScene makeCorridorDoor();
 SampleScene makeColonnadeCourtyard();
+SampleScene makeSkySpheres();
+SampleScene makeWindowRoom();
+/// All of them.
+std::vector<SampleScene> makeAllScenes();
 
 }  // namespace lightwell::samples

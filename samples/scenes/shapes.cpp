@@ -25,7 +25,7 @@ uint32_t Chart::addVertex(const Vec3& position, const Vec3& normal, const Vec2& 
 }
 
 uint32_t SampleScene::addMaterial(const std::string& material_name, const Rgb& albedo_rgb, const Rgb& emitted_radiance_rgb) {
-  materials.push_back({material_name, albedo_rgb, emitted_radiance_rgb});
+  materials.push_back({.name = material_name, .albedo_rgb = albedo_rgb, .emitted_radiance_rgb = emitted_radiance_rgb});
   return uint32_t(materials.size() - 1);
 }
 

@@ -11,9 +11,7 @@
 namespace lightwell::samples {
 namespace {
 
-std::vector<SampleScene> allScenes() {
-  return {makeCornellBox(false), makeCornellBox(true), makeMarbleChamber(), makeCorridorDoor(), makeColonnadeCourtyard()};
-}
+std::vector<SampleScene> allScenes() { return makeAllScenes(); }
 
 using Point = std::array<long, 3>;
 Point quantised(const Vec3& p) { return {std::lround(p.x * 4096), std::lround(p.y * 4096), std::lround(p.z * 4096)}; }

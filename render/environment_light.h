@@ -1,0 +1,46 @@
+// The sky of a container: background, and light with shadows on all surfaces.
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "lightwell/lightwell_gl.h"
+#include "render/scene_mesh.h"
+
+namespace lightwell::render {
+
+/// How the light of a sky is computed; lightwell_gl.h explains the values.
+struct EnvironmentSettings {
+  uint32_t technique = LW_ENVIRONMENT_SHARE;  // LW_ENVIRONMENT_…
+  uint32_t cells = 0;                         // cells in use, the suns and the brightest first; 0: all
+  uint32_t map_texels = 256;                  // side of a cell's depth map
+};
+
+class EnvironmentLight {
+ public:
+  /// Uploads the section "environment". `gl` and `mesh` must outlive this. Throws RenderError.
+  EnvironmentLight(const lw_container* container, lw_gl* gl, const SceneMesh& mesh, const EnvironmentSettings& settings);
+
+  /// Draws depth maps that are not there yet. The scene does not move.
+  void update();
+  /// The radiance of the sky times `exposure` over the whole target. `right` and `up`: half the picture's sides at distance 1.
+  void drawBackground(const Float3& forward, const Float3& right, const Float3& up, float exposure) const;
+  /// Binds the sky for `surfaceProgram`, whose other uniforms are those of the renderer's programs.
+  void bind() const;
+  const Program& surfaceProgram() const { return surface_program_; }
+
+ private:
+  struct Destroy {
+    void operator()(lw_gl_environment* environment) const { lw_gl_environment_destroy(environment); }
+  };
+  void bindTo(const Program& program) const;
+  void drawCasters(const float view_projection[16]) const;
+
+  const SceneMesh& mesh_;
+  EnvironmentSettings settings_;
+  std::unique_ptr<lw_gl_environment, Destroy> environment_;
+  Program depth_program_, surface_program_, background_program_;
+  VertexArray no_attributes_;
+  bool has_maps_ = false;
+};
+
+}  // namespace lightwell::render
