@@ -78,6 +78,10 @@ void addRender(CLI::App& app, Session& session) {
       ->check(CLI::Range(16u, 2048u))
       ->type_name("N")
       ->capture_default_str();
+  command->add_option("--environment-sun-map-size", options->environment.sun_map_texels, "Texels along a side of a sun's depth map")
+      ->check(CLI::Range(16u, 4096u))
+      ->type_name("N")
+      ->capture_default_str();
   command->footer(R"(The camera is a file such as
   {"eye": [0, 1.7, 4], "target": [0, 1, 0], "vertical_fov_deg": 60, "width": 1280, "height": 720, "exposure": "auto", "mode": "full"}
 

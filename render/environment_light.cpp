@@ -35,6 +35,7 @@ EnvironmentLight::EnvironmentLight(const lw_container* container, lw_gl* gl, con
   lw_gl_environment_options options = LW_GL_ENVIRONMENT_OPTIONS_INIT;
   options.cells = settings.cells;
   options.map_texels = settings.map_texels;
+  options.sun_map_texels = settings.sun_map_texels;
   const lw_scene_info& scene = mesh.info();
   if (scene.bounds_min_m[0] <= scene.bounds_max_m[0]) {
     std::copy_n(scene.bounds_min_m, 3, options.bounds_min_m);

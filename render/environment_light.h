@@ -13,6 +13,7 @@ struct EnvironmentSettings {
   uint32_t technique = LW_ENVIRONMENT_SHARE;  // LW_ENVIRONMENT_…
   uint32_t cells = 0;                         // cells in use, the suns and the brightest first; 0: all
   uint32_t map_texels = 256;                  // side of a cell's depth map
+  uint32_t sun_map_texels = 1024;             // of a sun's
 };
 
 class EnvironmentLight {

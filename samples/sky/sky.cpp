@@ -81,6 +81,7 @@ int main(int argc, char** argv) {
   app.add_option("--lobe", options.view.lobe, "phong or ggx")->transform(CLI::CheckedTransformer(lobes));
   app.add_option("--cells", options.view.cells, "use only so many cells; 0: all")->capture_default_str();
   app.add_option("--map-size", options.view.map_texels, "texels along a side of a depth map")->capture_default_str();
+  app.add_option("--sun-map-size", options.view.sun_map_texels, "the same of a sun's")->capture_default_str();
   app.add_option("--width", options.view.width, "pixels")->check(CLI::Range(16, 8192))->capture_default_str();
   app.add_option("--height", options.view.height, "pixels")->check(CLI::Range(16, 8192))->capture_default_str();
   app.add_option("--frames", options.frames, "pictures of the flying ball, for each sky")->check(CLI::Range(0, 9999))->capture_default_str();

@@ -78,6 +78,7 @@ SphereView::SphereView(lw_gl* gl, const lw_environment* environment, const Spher
   lw_gl_environment_options options = LW_GL_ENVIRONMENT_OPTIONS_INIT;
   options.cells = settings.cells;
   options.map_texels = settings.map_texels;
+  options.sun_map_texels = settings.sun_map_texels;
   const float low[3] = {-4, 0, -4}, high[3] = {4, 2, 4};
   std::copy_n(low, 3, options.bounds_min_m);
   std::copy_n(high, 3, options.bounds_max_m);

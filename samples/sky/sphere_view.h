@@ -15,7 +15,7 @@ enum class Lobe { phong, ggx };
 struct SphereSettings {
   uint32_t technique = LW_ENVIRONMENT_SHARE;  // LW_ENVIRONMENT_…
   uint32_t cells = 0;                         // 0: all
-  uint32_t map_texels = 256;
+  uint32_t map_texels = 256, sun_map_texels = 1024;
   Lobe lobe = Lobe::ggx;
   int width = 960, height = 400;
 };

@@ -447,7 +447,7 @@ TEST_P(GlEnvironment, RefusesWhatMakesNoSense) {
   lw_gl_environment_options options = LW_GL_ENVIRONMENT_OPTIONS_INIT;
   options.map_texels = 8;
   EXPECT_EQ(lw_gl_environment_create(gl.get(), environment.get(), &options, &none), LW_INVALID_ARGUMENT);
-  options.map_texels = 2048;
+  options.map_texels = options.sun_map_texels = 2048;
   EXPECT_EQ(lw_gl_environment_create(gl.get(), environment.get(), &options, &none), LW_LIMIT_EXCEEDED);
   options = LW_GL_ENVIRONMENT_OPTIONS_INIT;
   options.bounds_min_m[1] = NAN;

@@ -180,10 +180,11 @@ typedef struct lw_gl_environment_options {
   size_t size;               /* sizeof(lw_gl_environment_options), set by LW_GL_ENVIRONMENT_OPTIONS_INIT */
   uint32_t cells;            /* use only the first so many (suns, then the brightest), which then carry the light of all; 0: all */
   uint32_t map_texels;       /* side of a cell's depth map, 16 to 2048; 2 bytes a texel */
+  uint32_t sun_map_texels;   /* the same of a sun's, whose shadows have edges; 16 to 4096 */
   float bounds_min_m[3];     /* of everything that casts shadow, relative to the container's origin */
   float bounds_max_m[3];
 } lw_gl_environment_options;
-#define LW_GL_ENVIRONMENT_OPTIONS_INIT {sizeof(lw_gl_environment_options), 0, 256, {-1, -1, -1}, {1, 1, 1}}
+#define LW_GL_ENVIRONMENT_OPTIONS_INIT {sizeof(lw_gl_environment_options), 0, 256, 1024, {-1, -1, -1}, {1, 1, 1}}
 
 /* Uploads a sky and prefilters its picture, which takes about half a second of the calling thread. `environment` is not used afterwards.
  * Until depth maps are drawn nothing is hidden.

@@ -14,7 +14,11 @@ struct EnvironmentBlock {
     float x, y, cells, log_shininess;  // the logarithm in the last level only
   };
   int32_t cells = 0, suns = 0, levels = 0, unused = 0;
-  int32_t technique = 0, taps = 0, maps_in_row = 0, map_texels = 0;
+  int32_t technique = 0, taps = 0, unused2[2] = {};
+  struct Maps {
+    int32_t in_row, texels, first_row, unused;
+  };
+  Maps sun_maps = {}, cell_maps = {};
   float scale_rgb[3] = {1, 1, 1}, margin = 0;
   float center_m[3] = {}, sky_scale = 1;
   float extent_m[3] = {}, least_extent_m = 0;
@@ -23,7 +27,7 @@ struct EnvironmentBlock {
   Level level[kSkyLevels] = {};
   float ggx[kGgxRows][4] = {};
 };
-static_assert(sizeof(EnvironmentBlock) == (6 + 9 + kSkyLevels + kGgxRows) * 16);
+static_assert(sizeof(EnvironmentBlock) == (8 + 9 + kSkyLevels + kGgxRows) * 16);
 
 struct EnvironmentBlockCell {
   float direction[3], spread;
@@ -70,9 +74,9 @@ namespace lightwell::runtime::gl {
 /// Integrates the sky into its picture. False when there is no memory.
 bool makeSkyPicture(const Host& host, const lw_environment& environment, SkyPicture& picture);
 
-/// Where cell `i`'s map lies in the depth atlas.
+/// Where cell `i`'s map lies in the depth atlas, and its side.
 struct MapPlace {
-  int32_t x, y;
+  int32_t x, y, texels;
 };
 MapPlace mapPlace(const lw_gl_environment& environment, uint32_t cell);
 /// Marks all maps as not drawn, and makes them so that nothing is hidden. Inside of a StateGuard.

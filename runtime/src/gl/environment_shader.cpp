@@ -22,7 +22,8 @@ precision highp sampler2DShadow;
 #endif
 layout(std140) uniform LwEnvironment {
   ivec4 lw_count;          // cells, suns among them, levels of the sky
-  ivec4 lw_way;            // technique, taps of the filter, maps in a row, texels of a map's side
+  ivec4 lw_way;            // technique, taps of the filter
+  ivec4 lw_maps[2];        // of suns and of other cells: number in a row, texels of a side, first row of texels
   vec4 lw_scale;           // of all radiance; texels of margin around a map's picture
   vec4 lw_center;          // of the casters' bounds; radiance of a sky texel of 1
   vec4 lw_extent;          // half the bounds' sides; least half side of a map
@@ -144,7 +145,9 @@ float lwAverageCosine(LwCell cell, vec3 tangent, vec3 bitangent, vec3 normal) {
 // What the depth map of a cell lets through to a point; `facing`: unit normal of the surface as it is, on the side that is lit. The point is
 // moved along it by the filter's radius times the sine of incidence, just enough that a plane does not shadow itself.
 float lwCellVisibility(int i, vec3 direction, vec3 tangent, vec3 bitangent, vec3 position, vec3 facing) {
-  float side = float(lw_way.w), inner = side - 2.0 * lw_scale.a;
+  ivec4 maps = lw_maps[i < lw_count.y ? 0 : 1];
+  int place = i < lw_count.y ? i : i - lw_count.y;
+  float side = float(maps.y), inner = side - 2.0 * lw_scale.a;
   vec3 half_side = max(vec3(dot(abs(tangent), lw_extent.xyz), dot(abs(bitangent), lw_extent.xyz), dot(abs(direction), lw_extent.xyz)),
                        vec3(lw_extent.w));
   float cosine = dot(facing, direction), texel_m = 2.0 * max(half_side.x, half_side.y) / inner;
@@ -152,7 +155,7 @@ float lwCellVisibility(int i, vec3 direction, vec3 tangent, vec3 bitangent, vec3
   vec3 offset = position + facing * (texel_m * (0.25 + radius * sqrt(max(0.0, 1.0 - cosine * cosine)))) - lw_center.xyz;
   vec3 at = vec3(dot(offset, tangent), dot(offset, bitangent), -dot(offset, direction)) / half_side;
   vec2 texel = clamp((at.xy * inner + side) * 0.5, vec2(1.5), vec2(side - 1.5));
-  texel += side * vec2(float(i % lw_way.z), float(i / lw_way.z));
+  texel += vec2(float(place % maps.x * maps.y), float(place / maps.x * maps.y + maps.z));
   float depth = at.z * 0.5 + 0.5;
   if (lw_way.y == 1) return textureLod(lw_depth, vec3(texel * lw_size.xy, depth), 0.0);
   float lit = 0.0;

@@ -51,12 +51,12 @@ void basis(const float* n, float* tangent, float* bitangent) {
 }
 
 /// Orthographic, seen from the sky: the bounds fill the map up to its margin, near is where the light comes from.
-void mapMatrix(const lw_gl_environment& environment, const float* direction, float* matrix) {
+void mapMatrix(const lw_gl_environment& environment, const float* direction, int32_t texels, float* matrix) {
   const EnvironmentBlock& block = environment.block;
   float axis[3][3];
   basis(direction, axis[0], axis[1]);
   for (int k = 0; k < 3; ++k) axis[2][k] = -direction[k];
-  const float picture = float(block.map_texels - 2 * kMapMargin) / float(block.map_texels);
+  const float picture = float(texels - 2 * kMapMargin) / float(texels);
   for (int row = 0; row < 3; ++row) {
     float half = 0, center = 0;
     for (int k = 0; k < 3; ++k) {
@@ -79,7 +79,7 @@ bool isMoreUrgent(const DepthMapAge& a, const DepthMapAge& b) {
 void drawMap(const lw_gl_environment& environment, uint32_t cell, lw_gl_draw_casters draw, void* user) {
   const Api& api = environment.context->api;
   const MapPlace place = mapPlace(environment, cell);
-  const int32_t side = environment.block.map_texels;
+  const int32_t side = place.texels;
   constexpr float kFar = 1;
   // Set for each map: the callback may have left them otherwise.
   api.BindFramebuffer(kDrawFramebuffer, environment.framebuffer);
@@ -95,15 +95,18 @@ void drawMap(const lw_gl_environment& environment, uint32_t cell, lw_gl_draw_cas
   api.ClearBufferfv(kDepth, 0, &kFar);
   api.Scissor(place.x + kMapMargin, place.y + kMapMargin, side - 2 * kMapMargin, side - 2 * kMapMargin);
   float matrix[16];
-  mapMatrix(environment, &environment.direction[size_t(cell) * 3], matrix);
+  mapMatrix(environment, &environment.direction[size_t(cell) * 3], side, matrix);
   draw(user, cell, matrix);
 }
 
 }  // namespace
 
 MapPlace mapPlace(const lw_gl_environment& environment, uint32_t cell) {
-  const int32_t in_row = environment.block.maps_in_row, side = environment.block.map_texels;
-  return {int32_t(cell) % in_row * side, int32_t(cell) / in_row * side};
+  const EnvironmentBlock& block = environment.block;
+  const bool is_sun = int32_t(cell) < block.suns;
+  const EnvironmentBlock::Maps& maps = is_sun ? block.sun_maps : block.cell_maps;
+  const int32_t number = is_sun ? int32_t(cell) : int32_t(cell) - block.suns;
+  return {number % maps.in_row * maps.texels, number / maps.in_row * maps.texels + maps.first_row, maps.texels};
 }
 
 void clearDepthMaps(lw_gl_environment& environment) {

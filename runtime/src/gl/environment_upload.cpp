@@ -11,7 +11,7 @@
 namespace lightwell::runtime::gl {
 namespace {
 
-constexpr uint32_t kSmallestMap = 16, kLargestMap = 2048;
+constexpr uint32_t kSmallestMap = 16, kLargestMap = 2048, kLargestSunMap = 4096;
 
 float luminance(const float* rgb) { return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]; }
 
@@ -88,15 +88,25 @@ class Uploader {
   }
 
   lw_result makeDepthMaps() {
-    const uint32_t texels = options_.map_texels, in_row = uint32_t(std::ceil(std::sqrt(double(out_.cells))));
+    const uint32_t texels = options_.map_texels, sun_texels = options_.sun_map_texels;
     if (texels < kSmallestMap || texels > kLargestMap) return fail("map_texels: not between %u and %u", kSmallestMap, kLargestMap);
-    const uint32_t rows = (out_.cells + in_row - 1) / in_row;
-    if (uint64_t(in_row) * texels > uint64_t(api_.max_texture_size))
-      return out_.host.fail(LW_LIMIT_EXCEEDED, "%u depth maps of %u x %u texels are larger than the context's textures", out_.cells, texels,
-                            texels);
-    const int32_t width = int32_t(in_row * texels), height = int32_t(rows * texels);
-    out_.block.maps_in_row = int32_t(in_row);
-    out_.block.map_texels = int32_t(texels);
+    if (sun_texels < kSmallestMap || sun_texels > kLargestSunMap)
+      return fail("sun_map_texels: not between %u and %u", kSmallestMap, kLargestSunMap);
+    // About square: rows of the suns' maps, below them rows of the others'.
+    const uint32_t suns = e_.header.suns, others = out_.cells - suns;
+    const double area = double(suns) * sun_texels * sun_texels + double(others) * texels * texels;
+    const auto columns = [&](uint32_t side) { return std::max(1u, uint32_t(std::ceil(std::sqrt(area) / side))); };
+    const uint32_t in_row = std::min(columns(texels), std::max(1u, others)), suns_in_row = std::min(columns(sun_texels), std::max(1u, suns));
+    const uint32_t sun_rows = (suns + suns_in_row - 1) / suns_in_row, rows = (others + in_row - 1) / in_row;
+    const uint64_t wide = std::max(uint64_t(in_row) * texels, uint64_t(suns ? suns_in_row : 0) * sun_texels);
+    const uint64_t high = uint64_t(sun_rows) * sun_texels + uint64_t(rows) * texels;
+    if (std::max(wide, high) > uint64_t(api_.max_texture_size))
+      return out_.host.fail(LW_LIMIT_EXCEEDED, "the depth maps of %u cells take %llu x %llu texels, more than the context's textures have",
+                            out_.cells, static_cast<unsigned long long>(wide), static_cast<unsigned long long>(high));
+    const int32_t width = int32_t(wide), height = int32_t(high);
+    out_.block.suns = int32_t(suns);
+    out_.block.sun_maps = {int32_t(suns_in_row), int32_t(sun_texels), 0, 0};
+    out_.block.cell_maps = {int32_t(in_row), int32_t(texels), int32_t(sun_rows * sun_texels), 0};
     out_.block.margin = float(kMapMargin);
     out_.block.depth_texel[0] = 1 / float(width);
     out_.block.depth_texel[1] = 1 / float(height);
@@ -124,7 +134,6 @@ class Uploader {
   lw_result uploadCells() {
     EnvironmentBlock& block = out_.block;
     block.cells = int32_t(out_.cells);
-    block.suns = int32_t(e_.header.suns);
     packHarmonics(e_, block);
     static_assert(kGgxRows == runtime::kGgxRows);
     std::memcpy(block.ggx, kGgxWeight, sizeof block.ggx);
