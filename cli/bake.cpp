@@ -52,7 +52,7 @@ void summarise(Console& console, const bake::Baked& baked, const fs::path& outpu
   if (outcome.time_limited) line += ", cut to quality " + std::string(plan::name(outcome.settings.quality)) + " by the time limit";
   console.line(line);
   for (const auto& s : report.sections)
-    console.line("  " + s.type + std::string(s.type.size() < 10 ? 10 - s.type.size() : 0, ' ') + formatBytes(double(s.stored_bytes)) +
+    console.line("  " + s.type + std::string(s.type.size() < 12 ? 12 - s.type.size() : 0, ' ') + formatBytes(double(s.stored_bytes)) +
                  " (" + formatBytes(double(s.raw_bytes)) + " decoded)");
   for (const auto& e : report.errors) {
     char text[128];

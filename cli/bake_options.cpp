@@ -5,9 +5,10 @@
 namespace lightwell::cli {
 
 void addBakeOptions(CLI::App& command, BakeOptions& options) {
-  command.add_option("scene", options.request.source.scene, "glTF 2.0 scene, .glb or .gltf")->required()->type_name("SCENE");
+  command.add_option("scene", options.request.source.scene, "glTF 2.0 scene, .glb or .gltf; may be left out when only a sky is baked")
+      ->type_name("SCENE");
   command
-      .add_option("--techniques", options.techniques, "What to bake: auto (what the scene can use), or a comma-separated list; now: prm")
+      .add_option("--techniques", options.techniques, "What to bake: auto (what the scene can use), or a comma-separated list; now: prm, environment")
       ->type_name("LIST")
       ->capture_default_str();
   addSceneSettings(command, options.request.settings);
@@ -44,6 +45,19 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
   command.add_option("--prm-clusters", options.request.settings.prm_clusters, "Clusters of entry points, about; without it the quality decides")
       ->type_name("N")
       ->check(CLI::Range(1u, plan::kMostPrmClusters));
+  addEnvironment(command, options.request.source.environment, options.request.settings.environment);
+  command
+      .add_option("--environment-samples", options.request.settings.environment_samples,
+                  "Cells that the sky is cut into, suns included: so many shadowed directional lights")
+      ->type_name("N")
+      ->check(CLI::Range(1u, plan::kMostEnvironmentSamples))
+      ->capture_default_str();
+  command
+      .add_option("--environment-resolution", options.request.settings.sky_face_cells,
+                  "Cells along a face of the sky's cube, even: 64 resolves lobes of shininess up to 1,300, 128 up to 5,400")
+      ->type_name("M")
+      ->check(CLI::Range(plan::kFewestSkyFaceCells, plan::kMostSkyFaceCells))
+      ->capture_default_str();
   addThreads(command, options.request.threads);
 }
 
@@ -55,8 +69,12 @@ void resolve(BakeOptions& options) {
   settings.prm_estimator = *plan::prmEstimatorNamed(options.prm_estimator);
   plan::checkTechniques(settings);
   plan::checkPrm(settings);
-  checkReadable(options.request.source.scene);
-  if (options.request.source.lights) checkReadable(*options.request.source.lights);
+  plan::checkEnvironment(settings);
+  const bake::SceneSource& source = options.request.source;
+  bake::checkSource(source, settings);
+  if (!source.scene.empty()) checkReadable(source.scene);
+  if (source.lights) checkReadable(*source.lights);
+  if (source.environment) checkReadable(*source.environment);
 }
 
 }  // namespace lightwell::cli

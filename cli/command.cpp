@@ -38,6 +38,23 @@ void addLights(CLI::App& command, std::optional<fs::path>& lights) {
       ->type_name("LIGHTS.json");
 }
 
+void addEnvironment(CLI::App& command, std::optional<fs::path>& file, plan::EnvironmentPlacement& placement) {
+  command.add_option("--environment", file, "Map of the sky, Radiance (.hdr) or OpenEXR, latitude-longitude")->type_name("FILE");
+  command.add_option("--environment-rotation", placement.rotation_deg, "Degrees by which the map is turned about +Y, from +Z towards +X")
+      ->type_name("DEG")
+      ->check(CLI::Range(-360.0, 360.0))
+      ->capture_default_str();
+  command.add_option("--environment-intensity", placement.intensity, "Factor on the map's radiance")
+      ->type_name("X")
+      ->check(CLI::Range(0.0f, plan::kMostEnvironmentIntensity))
+      ->capture_default_str();
+  command
+      .add_option("--environment-ground", placement.ground_radiance_rgb,
+                  "Radiance R G B that replaces the map below the horizon, before the factor")
+      ->type_name("R G B")
+      ->check(CLI::Range(0.0f, plan::kMostRadiance));
+}
+
 void addOutput(CLI::App& command, fs::path& output, const std::string& what) {
   command.add_option("-o,--output", output, what)->required()->type_name("FILE");
 }

@@ -21,6 +21,7 @@ struct Session {
 void addBake(CLI::App& app, Session& session);
 void addInfo(CLI::App& app, Session& session);
 void addVerify(CLI::App& app, Session& session);
+void addEnvironmentQueries(CLI::App& app, Session& session);
 void addEvaluate(CLI::App& app, Session& session);
 void addReference(CLI::App& app, Session& session);
 void addCompare(CLI::App& app, Session& session);
@@ -34,6 +35,8 @@ void addSceneSettings(CLI::App& command, plan::Settings& settings);
 void addThreads(CLI::App& command, int& threads);
 /// --lights, replacing the scene's punctual lights.
 void addLights(CLI::App& command, std::optional<std::filesystem::path>& lights);
+/// --environment FILE and how it is placed: --environment-rotation, --environment-intensity, --environment-ground.
+void addEnvironment(CLI::App& command, std::optional<std::filesystem::path>& file, plan::EnvironmentPlacement& placement);
 /// -o, required. Throws UsageError from checkWritable() below before any work is done.
 void addOutput(CLI::App& command, std::filesystem::path& output, const std::string& what);
 

@@ -82,7 +82,24 @@ json contentJson(const format::Reader& reader) {
                       {"brightest", prm.brightest()},
                       {"has_emitter", prm.has_emitter()}};
   }
+  if (reader.has("environment", "header")) {
+    const auto environment = reader.environment();
+    content["environment"] = {{"cells", environment.cells()},
+                              {"suns", environment.suns()},
+                              {"face_cells", environment.face_cells()},
+                              {"sky_flux", std::vector<float>(environment.sky_flux().begin(), environment.sky_flux().end())},
+                              {"rotation_deg", environment.rotation_deg()},
+                              {"intensity", environment.intensity()},
+                              {"ground_radiance",
+                               std::vector<float>(environment.ground_radiance().begin(), environment.ground_radiance().end())}};
+  }
   return content;
+}
+
+std::string hexadecimal(uint64_t hash) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
 }
 
 json documentOf(const format::Reader& reader) {
@@ -101,12 +118,12 @@ json documentOf(const format::Reader& reader) {
     document["errors"].push_back(
         {{"section", e.section()}, {"relrmse", e.relrmse()}, {"texrel", e.texrel()}, {"bias", e.bias()}, {"against", e.against()}});
   const auto& p = meta.provenance();
-  char hash[17];
-  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(p.scene_hash()));
   const json settings = json::parse(p.settings_json(), nullptr, false);
   document["provenance"] = {{"tool_version", p.tool_version()},
                             {"scene_name", p.scene_name()},
-                            {"scene_hash", hash},
+                            {"scene_hash", hexadecimal(p.scene_hash())},
+                            {"environment_name", p.environment_name()},
+                            {"environment_hash", hexadecimal(p.environment_hash())},
                             {"settings", settings.is_discarded() ? json(nullptr) : settings},
                             {"time_limited", p.time_limited()},
                             {"warnings", std::vector<std::string>(p.warnings().begin(), p.warnings().end())}};
@@ -126,8 +143,12 @@ void printForPeople(const json& d) {
   out(d["file"].get<std::string>() + ": container version " + d["version"].get<std::string>() + ", " +
       formatBytes(d["bytes"].get<double>()));
   if (const auto& p = d["provenance"]; !p.is_null()) {
-    out("  baked from " + p["scene_name"].get<std::string>() + " (" + p["scene_hash"].get<std::string>() + ") by lightwell " +
-        p["tool_version"].get<std::string>() + (p["time_limited"].get<bool>() ? ", cut by a time limit" : ""));
+    std::string sources;
+    for (const std::string source : {"scene", "environment"})
+      if (const auto name = p[source + "_name"].get<std::string>(); !name.empty())
+        sources += (sources.empty() ? "" : " under ") + name + " (" + p[source + "_hash"].get<std::string>() + ")";
+    out("  baked from " + sources + " by lightwell " + p["tool_version"].get<std::string>() +
+        (p["time_limited"].get<bool>() ? ", cut by a time limit" : ""));
     out("  settings " + p["settings"].dump());
     for (const auto& w : p["warnings"]) out("  warning: " + w.get<std::string>());
   }

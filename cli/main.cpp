@@ -30,7 +30,7 @@ int run(int argc, char** argv) {
   app.footer(kFooter);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
-  for (const auto add : {addBake, addInfo, addVerify, addEvaluate, addReference, addCompare, addRender}) add(app, session);
+  for (const auto add : {addBake, addInfo, addVerify, addEvaluate, addEnvironmentQueries, addReference, addCompare, addRender}) add(app, session);
   try {
     app.parse(argc, argv);
     return kDone;

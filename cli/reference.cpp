@@ -26,6 +26,7 @@ void run(Session& session, Options& options) {
   if (options.standard_error) checkWritable(*options.standard_error);
   checkReadable(options.source.scene);
   if (options.source.lights) checkReadable(*options.source.lights);
+  if (options.source.environment) checkReadable(*options.source.environment);
   Diagnostics diagnostics;
   const bake::BakeContext context(options.source, options.settings, options.threads, diagnostics, session.interrupt.flag(),
                                   [&](const std::string& stage) { session.console.progress(stage, stage + " …"); });
@@ -34,7 +35,7 @@ void run(Session& session, Options& options) {
   transport::IrradianceMap map;
   if (context.tracer()) {
     transport::ReferenceOptions reference{.samples = options.samples, .seed = options.settings.seed, .threads = options.threads,
-                                          .cancel = &session.interrupt.flag()};
+                                          .sky = context.skyLight(), .cancel = &session.interrupt.flag()};
     ProgressMeter meter(session.console, "path tracing");
     reference.progress = [&](double fraction) { meter.update(fraction); };
     map = transport::referenceIrradiance(context.scene(), context.atlas(), *context.tracer(), context.scene().lights,
@@ -66,6 +67,7 @@ void addReference(CLI::App& app, Session& session) {
       ->capture_default_str();
   command->add_option("--standard-error", options->standard_error, "Also write the standard error of each texel")->type_name("SE.exr");
   addLights(*command, options->source.lights);
+  addEnvironment(*command, options->source.environment, options->settings.environment);
   addThreads(*command, options->threads);
   command->footer("Example:\n  lightwell reference room.glb --component indirect --lightmap-size 256 --samples 1024 -o reference.exr");
   command->callback([&session, options] { run(session, *options); });

@@ -32,6 +32,12 @@ std::unique_ptr<lw_prm, ReleasePrm> RuntimeContainer::loadPrm() const {
   return std::unique_ptr<lw_prm, ReleasePrm>(prm);
 }
 
+std::unique_ptr<lw_environment, ReleaseEnvironment> RuntimeContainer::loadEnvironment() const {
+  lw_environment* environment = nullptr;
+  check(lw_environment_load(container_.get(), &environment));
+  return std::unique_ptr<lw_environment, ReleaseEnvironment>(environment);
+}
+
 lw_light runtimeLight(const scene::Scene& scene, const scene::Light& light) {
   const double metres = scene.metres_per_unit;
   const bool directional = light.type == scene::LightType::directional;

@@ -16,6 +16,9 @@ struct CloseContainer {
 struct ReleasePrm {
   void operator()(lw_prm* prm) const { lw_prm_release(prm); }
 };
+struct ReleaseEnvironment {
+  void operator()(lw_environment* environment) const { lw_environment_release(environment); }
+};
 
 /// A container opened by the runtime, as a game would. Failures throw: a damaged file is a format::ContainerError.
 class RuntimeContainer {
@@ -26,6 +29,7 @@ class RuntimeContainer {
 
   lw_container* get() const { return container_.get(); }
   std::unique_ptr<lw_prm, ReleasePrm> loadPrm() const;
+  std::unique_ptr<lw_environment, ReleaseEnvironment> loadEnvironment() const;
   /// Throws for a result that is not LW_OK, with the runtime's last message.
   void check(lw_result result) const;
 

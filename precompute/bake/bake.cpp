@@ -1,6 +1,7 @@
 #include "precompute/bake/bake.h"
 
 #include "format/encode/writer.h"
+#include "precompute/bake/environment_tasks.h"
 #include "precompute/bake/prm_error.h"
 #include "precompute/bake/prm_tasks.h"
 #include "precompute/bake/sections.h"
@@ -15,9 +16,13 @@ v1::MetaHeader metaOf(const BakeContext& context, const std::vector<plan::Omitte
   v1::Provenance& provenance = *header.mutable_provenance();
   provenance.set_tool_version(productVersion());
   const std::filesystem::path file = context.scene().file;
+  if (context.skyGrid()) {
+    provenance.set_environment_name(context.environmentName());
+    provenance.set_environment_hash(context.skyKey().low);
+  }
   provenance.set_scene_name(file.filename().string());
   KeyHasher hasher;
-  provenance.set_scene_hash(hasher.add(context.surfaceKey()).add(context.lightKey()).finish().low);
+  if (context.facts().has_scene) provenance.set_scene_hash(hasher.add(context.surfaceKey()).add(context.lightKey()).finish().low);
   provenance.set_settings_json(plan::canonicalJson(options.settings));
   provenance.set_time_limited(options.time_limited);
   for (const auto& warning : options.warnings) {
@@ -33,27 +38,46 @@ v1::MetaHeader metaOf(const BakeContext& context, const std::vector<plan::Omitte
   return header;
 }
 
-/// The container's bytes from the fitted blocks, the emitters' light and the references, in this order.
-Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const PrmTasks& tasks, v1::MetaHeader meta,
-                      const TaskInputs& in) {
+/// Some of the container task's inputs.
+struct InputRange {
+  size_t first = 0, count = 0;
+  std::span<const Blob> of(const TaskInputs& in) const { return in.inputs.subspan(first, count); }
+};
+
+/// What the container is made of, beside the context.
+struct ContainerParts {
+  PrmTasks prm;
+  InputRange blocks, emitter, solved, references;  // empty without a PRM
+  InputRange environment, environment_errors;      // at most one each
+};
+
+void addError(v1::MetaHeader& meta, const char* section, double relrmse, double texrel, double bias, const std::string& against) {
+  v1::MeasuredError* error = meta.add_errors();
+  error->set_section(section);
+  error->set_relrmse(relrmse);
+  error->set_texrel(texrel);
+  error->set_bias(bias);
+  error->set_against(against);
+}
+
+Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const ContainerParts& parts,
+                      const plan::EnvironmentPlacement& placement, v1::MetaHeader meta, const TaskInputs& in) {
   std::optional<transport::PrmResult> prm;
   if (plan.prm) {
-    const size_t blocks = tasks.blocks.size(), emitter = tasks.emitter.size();
-    prm = assemblePrm(tasks, in.inputs.first(blocks), in.inputs.subspan(blocks, emitter), in.inputs[blocks + emitter]);
+    prm = assemblePrm(parts.prm, parts.blocks.of(in), parts.emitter.of(in), parts.solved.of(in)[0]);
     in.cancel.check();
-    if (const auto measured = measurePrm(context, *prm, in.inputs.subspan(blocks + emitter + 1))) {
-      v1::MeasuredError* error = meta.add_errors();
-      error->set_section("prm");
-      error->set_relrmse(measured->relrmse);
-      error->set_texrel(measured->texrel);
-      error->set_bias(measured->bias);
-      error->set_against(measured->against);
-    }
+    if (const auto measured = measurePrm(context, *prm, parts.references.of(in)))
+      addError(meta, "prm", measured->relrmse, measured->texrel, measured->bias, measured->against);
     in.cancel.check();
   }
+  for (const Blob& errors : parts.environment_errors.of(in))
+    for (const EnvironmentError& e : readEnvironmentErrors(errors))
+      addError(meta, "environment", e.relrmse, e.texrel, e.bias,
+               (e.shininess == 1 ? "irradiance" : "Phong lobes of shininess " + std::to_string(int(e.shininess))) + ", unoccluded, in " +
+                   std::to_string(e.directions) + " directions, quadrature over the map");
   format::Writer writer({.zstd_level = kZstdLevel});
   addMetaSection(writer, meta);
-  addSceneSection(writer, context.scene());
+  if (context.facts().has_scene) addSceneSection(writer, context.scene());
   if (plan.surface_sections) {
     addGeometrySection(writer, context.scene(), context.atlas());
     addAtlasSection(writer, context.atlas());
@@ -61,6 +85,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   in.cancel.check();
   if (prm) addPrmSection(writer, *prm, context.scene().metres_per_unit);
   in.cancel.check();
+  for (const Blob& environment : parts.environment.of(in)) addEnvironmentSection(writer, readEnvironment(environment), placement);
   return writer.bytes();
 }
 
@@ -80,23 +105,36 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options)
       plan.omitted.push_back({"prm", "every texel lies inside or behind other surfaces"});
     }
   }
-  PrmTasks prm;
-  std::vector<TaskIndex> references;
+  std::vector<TaskIndex> inputs;
+  const auto take = [&](const std::vector<TaskIndex>& tasks) {
+    const InputRange range{inputs.size(), tasks.size()};
+    inputs.insert(inputs.end(), tasks.begin(), tasks.end());
+    return range;
+  };
+  ContainerParts parts;
   if (plan.prm) {
-    prm = addPrmTasks(result.graph, context, prm_settings, baker);
-    references = addReferenceTasks(result.graph, context, options.test_lights);
+    parts.prm = addPrmTasks(result.graph, context, prm_settings, baker);
+    parts.blocks = take(parts.prm.blocks);
+    parts.emitter = take(parts.prm.emitter);
+    parts.solved = take({parts.prm.solved});
+    parts.references = take(addReferenceTasks(result.graph, context, options.test_lights));
+  }
+  if (plan.environment) {
+    const bool measure = options.settings.quality != plan::Quality::draft;
+    const EnvironmentTasks tasks = addEnvironmentTasks(result.graph, context, options.settings, measure);
+    parts.environment = take({tasks.baked});
+    if (tasks.measured) parts.environment_errors = take({*tasks.measured});
   }
 
   const v1::MetaHeader meta = metaOf(context, plan.omitted, options);
-  std::vector<TaskIndex> inputs = prm.blocks;
-  inputs.insert(inputs.end(), prm.emitter.begin(), prm.emitter.end());
-  if (plan.prm) inputs.push_back(prm.solved);
-  inputs.insert(inputs.end(), references.begin(), references.end());
-  const std::string parameters = context.surfaceKey().hex() + context.lightKey().hex() + meta.SerializeAsString();
+  const std::string parameters =
+      context.surfaceKey().hex() + context.lightKey().hex() + context.skyKey().hex() + meta.SerializeAsString();
   const double texels = double(context.settings().lightmap_size) * context.settings().lightmap_size;
-  result.container =
-      result.graph.add({"container", "container", "container", parameters, inputs, texels + 1,
-                        [&context, plan, prm, meta](const TaskInputs& in) { return encodeContainer(context, plan, prm, meta, in); }});
+  const plan::EnvironmentPlacement placement = options.settings.environment;
+  result.container = result.graph.add(
+      {"container", "container", "container", parameters, inputs, texels + 1, [&context, plan, parts, placement, meta](const TaskInputs& in) {
+         return encodeContainer(context, plan, parts, placement, meta, in);
+       }});
   result.omitted = plan.omitted;
   return result;
 }

@@ -47,8 +47,9 @@ class Attempts {
   /// The measured error of the last attempt; none when nothing could be measured.
   std::optional<double> error() const {
     const auto meta = format::Reader(*outcome.container).meta();
-    if (meta.errors_size() == 0) return std::nullopt;
-    return meta.errors(0).relrmse();
+    for (const auto& error : meta.errors())
+      if (error.section() == "prm") return error.relrmse();
+    return std::nullopt;
   }
   Outcome outcome;
 

@@ -5,7 +5,19 @@
 namespace lightwell::plan {
 namespace {
 
-constexpr Technique kBakers[] = {Technique::prm};
+constexpr Technique kBakers[] = {Technique::prm, Technique::environment};
+
+/// Why a technique that can be baked has no use here; empty when it has one.
+std::string uselessness(Technique technique, const SceneFacts& facts) {
+  if (technique == Technique::environment) {
+    if (!facts.has_environment) return "no environment map was given";
+    return facts.has_sky_light ? "" : "the environment map is black";
+  }
+  if (!facts.has_scene) return "no scene was given";
+  if (!facts.has_surfaces) return "the scene has no surfaces";
+  if (!facts.has_reflection && !facts.has_emitters && !facts.has_sky_light) return "no surface reflects or emits light";
+  return "";
+}
 
 bool hasBaker(Technique technique) { return std::find(std::begin(kBakers), std::end(kBakers), technique) != std::end(kBakers); }
 
@@ -14,7 +26,7 @@ bool hasBaker(Technique technique) { return std::find(std::begin(kBakers), std::
 void checkTechniques(const Settings& settings) {
   for (const Technique technique : settings.techniques)
     if (!hasBaker(technique))
-      throw UsageError("--techniques: this version cannot bake \"" + std::string(name(technique)) + "\" yet; it bakes prm");
+      throw UsageError("--techniques: this version cannot bake \"" + std::string(name(technique)) + "\" yet; it bakes prm and environment");
 }
 
 void checkPrm(const Settings& settings) {
@@ -28,33 +40,45 @@ void checkPrm(const Settings& settings) {
                      std::to_string(settings.prm_clusters) + " clusters");
 }
 
+void checkEnvironment(const Settings& settings) {
+  if (settings.environment_samples < 1 || settings.environment_samples > kMostEnvironmentSamples)
+    throw UsageError("--environment-samples: an environment takes 1 to " + std::to_string(kMostEnvironmentSamples) + " samples");
+  if (settings.sky_face_cells < kFewestSkyFaceCells || settings.sky_face_cells > kMostSkyFaceCells || settings.sky_face_cells % 2 != 0)
+    throw UsageError("--environment-resolution: a face of the sky takes an even number of cells from " +
+                     std::to_string(kFewestSkyFaceCells) + " to " + std::to_string(kMostSkyFaceCells));
+}
+
 Plan makePlan(const SceneFacts& facts, const Settings& settings) {
   checkTechniques(settings);
   checkPrm(settings);
+  checkEnvironment(settings);
   const bool automatic = settings.techniques.empty();
   const auto wanted = [&](Technique technique) {
     return std::find(settings.techniques.begin(), settings.techniques.end(), technique) != settings.techniques.end();
   };
   Plan plan;
   plan.surface_sections = facts.has_surfaces;
+  if (!facts.has_scene) plan.omitted.push_back({"scene", "no scene was given"});
   if (!facts.has_surfaces)
-    for (const char* section : {"geometry", "atlas"}) plan.omitted.push_back({section, "the scene has no surfaces"});
+    for (const char* section : {"geometry", "atlas"})
+      plan.omitted.push_back({section, facts.has_scene ? "the scene has no surfaces" : "no scene was given"});
   for (int i = 0; i <= int(Technique::environment); ++i) {
     const auto technique = Technique(i);
-    const std::string type(name(technique));
+    const std::string type(name(technique)), useless = uselessness(technique, facts);
     if (!automatic && !wanted(technique))
       plan.omitted.push_back({type, "not asked for"});
     else if (!hasBaker(technique))
       plan.omitted.push_back({type, "this version cannot bake it"});
-    else if (technique == Technique::prm && !facts.has_surfaces)
-      plan.omitted.push_back({type, "the scene has no surfaces"});
-    else if (technique == Technique::prm && !facts.has_reflection && !facts.has_emitters)
-      plan.omitted.push_back({type, "no surface reflects or emits light"});
-    else if (technique == Technique::prm)
-      plan.prm = true;
+    else if (!useless.empty())
+      plan.omitted.push_back({type, useless});
+    else
+      (technique == Technique::prm ? plan.prm : plan.environment) = true;
   }
   plan.prm_emitter = plan.prm && facts.has_emitters;
+  plan.prm_sky = plan.prm && facts.has_sky_light;
   if (plan.prm && !facts.has_emitters) plan.omitted.push_back({"prm.emitter", "no surface emits light"});
+  if (plan.prm && !facts.has_sky_light)
+    plan.omitted.push_back({"prm.sky", facts.has_environment ? "the environment map is black" : "no environment map was given"});
   return plan;
 }
 

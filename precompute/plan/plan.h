@@ -9,9 +9,12 @@ namespace lightwell::plan {
 
 /// What the decision depends on.
 struct SceneFacts {
+  bool has_scene = true;       // not only a sky
   bool has_surfaces = false;   // at least one texel of the atlas is covered
   bool has_emitters = false;   // some texel emits
   bool has_reflection = false; // some texel's albedo is not black
+  bool has_environment = false; // a map was given
+  bool has_sky_light = false;   // and it is not black
 };
 
 struct Omitted {
@@ -23,6 +26,8 @@ struct Plan {
   bool surface_sections = false;  // geometry and atlas
   bool prm = false;
   bool prm_emitter = false;       // the constant panes of the scene's own emitters
+  bool prm_sky = false;           // the constant panes of the sky
+  bool environment = false;
   std::vector<Omitted> omitted;
 };
 
@@ -30,6 +35,9 @@ struct Plan {
 void checkTechniques(const Settings& settings);
 /// Throws UsageError for choices of the section prm that exclude each other.
 void checkPrm(const Settings& settings);
+
+/// Throws UsageError for numbers of samples and cells that no environment can have.
+void checkEnvironment(const Settings& settings);
 
 /// Pure. Throws as the checks.
 Plan makePlan(const SceneFacts& facts, const Settings& settings);

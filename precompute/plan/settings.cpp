@@ -61,6 +61,20 @@ uint32_t requiredCount(const std::string& key, const json& value, uint32_t most)
   return value.get<uint32_t>();
 }
 
+float requiredNumber(const std::string& key, const json& value, double least, double most) {
+  if (!value.is_number() || !(value >= least && value <= most))
+    throw UsageError("settings: \"" + key + "\" must be a number from " + json(least).dump() + " to " + json(most).dump());
+  return value.get<float>();
+}
+
+std::optional<std::array<float, 3>> requiredGround(const std::string& key, const json& value) {
+  if (value.is_null()) return std::nullopt;
+  if (!value.is_array() || value.size() != 3) throw UsageError("settings: \"" + key + "\" must be null or three numbers");
+  std::array<float, 3> radiance_rgb;
+  for (size_t i = 0; i < 3; ++i) radiance_rgb[i] = requiredNumber(key, value[i], 0, kMostRadiance);
+  return radiance_rgb;
+}
+
 }  // namespace
 
 std::string_view name(Technique technique) { return nameIn(kTechniques, technique); }
@@ -101,6 +115,8 @@ std::string canonicalJson(const Settings& settings) {
     techniques = json::array();
     for (const Technique technique : settings.techniques) techniques.push_back(name(technique));
   }
+  const auto& ground_rgb = settings.environment.ground_radiance_rgb;
+  const json ground = ground_rgb ? json(*ground_rgb) : json(nullptr);
   return json{{"techniques", techniques},
               {"lightmap_size", settings.lightmap_size},
               {"quality", name(settings.quality)},
@@ -110,7 +126,12 @@ std::string canonicalJson(const Settings& settings) {
               {"prm_layout", name(settings.prm_layout)},
               {"prm_estimator", name(settings.prm_estimator)},
               {"prm_entries", settings.prm_entries},
-              {"prm_clusters", settings.prm_clusters}}
+              {"prm_clusters", settings.prm_clusters},
+              {"environment_samples", settings.environment_samples},
+              {"sky_face_cells", settings.sky_face_cells},
+              {"environment_rotation_deg", settings.environment.rotation_deg},
+              {"environment_intensity", settings.environment.intensity},
+              {"environment_ground", ground}}
       .dump();
 }
 
@@ -153,6 +174,16 @@ Settings settingsFromJson(std::string_view text) {
       settings.prm_entries = requiredCount(key, value, kMostPrmEntries);
     } else if (key == "prm_clusters") {
       settings.prm_clusters = requiredCount(key, value, kMostPrmClusters);
+    } else if (key == "environment_samples") {
+      settings.environment_samples = requiredCount(key, value, kMostEnvironmentSamples);
+    } else if (key == "sky_face_cells") {
+      settings.sky_face_cells = requiredCount(key, value, kMostSkyFaceCells);
+    } else if (key == "environment_rotation_deg") {
+      settings.environment.rotation_deg = requiredNumber(key, value, -360, 360);
+    } else if (key == "environment_intensity") {
+      settings.environment.intensity = requiredNumber(key, value, 0, kMostEnvironmentIntensity);
+    } else if (key == "environment_ground") {
+      settings.environment.ground_radiance_rgb = requiredGround(key, value);
     } else {
       throw UsageError("settings: unknown key \"" + key + "\"");
     }

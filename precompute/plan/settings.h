@@ -20,7 +20,10 @@ enum class PrmEstimator { gather, walks };
 
 inline constexpr int kMostLightmapSize = 8192;
 inline constexpr uint32_t kMostPrmEntries = 1u << 20, kMostPrmClusters = 1u << 16, kMostPrmPanes = 4096;
+inline constexpr uint32_t kMostEnvironmentSamples = 4096, kFewestSkyFaceCells = 16, kMostSkyFaceCells = 256;
 inline constexpr int kFinestRefinement = 3, kCoarsestRefinement = -6;
+
+inline constexpr float kMostRadiance = 1e12f, kMostEnvironmentIntensity = 1e6f;
 
 /// How an environment map is put into the world.
 struct EnvironmentPlacement {
@@ -41,6 +44,9 @@ struct Settings {
   PrmEstimator prm_estimator = PrmEstimator::gather;
   uint32_t prm_entries = 0;           // entry points over all clusters, about, up to kMostPrmEntries; 0: the quality's
   uint32_t prm_clusters = 0;          // clusters of entry points, about, up to kMostPrmClusters (panes: kMostPrmPanes); 0: the quality's
+  uint32_t environment_samples = 128; // cells of the environment, suns included, 1 to kMostEnvironmentSamples
+  uint32_t sky_face_cells = 64;       // along a face of the sky's cube: even, kFewestSkyFaceCells to kMostSkyFaceCells
+  EnvironmentPlacement environment;
 };
 
 std::string_view name(Technique technique);

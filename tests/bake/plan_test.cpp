@@ -35,6 +35,35 @@ TEST(Plan, NothingToBakeWithoutSurfacesOrReflection) {
   EXPECT_TRUE(black.surface_sections && omits(black, "prm"));
 }
 
+TEST(Plan, ASkyIsBakedWhenThereIsOne) {
+  const Plan none = makePlan(kRoom, {});
+  EXPECT_TRUE(omits(none, "environment") && omits(none, "prm.sky"));
+  SceneFacts outside = kRoom;
+  outside.has_environment = outside.has_sky_light = true;
+  const Plan both = makePlan(outside, {});
+  EXPECT_TRUE(both.prm && both.prm_sky && both.environment);
+  EXPECT_FALSE(omits(both, "environment") || omits(both, "prm.sky"));
+  Settings only_prm;
+  only_prm.techniques = {Technique::prm};
+  const Plan panes = makePlan(outside, only_prm);
+  EXPECT_TRUE(panes.prm_sky && !panes.environment && omits(panes, "environment"));
+  outside.has_sky_light = false;
+  const Plan black = makePlan(outside, {});
+  EXPECT_TRUE(omits(black, "environment") && omits(black, "prm.sky"));
+  const Plan sky = makePlan({.has_scene = false, .has_environment = true, .has_sky_light = true}, {});
+  EXPECT_TRUE(sky.environment && !sky.surface_sections && !sky.prm && !sky.prm_sky);
+  for (const char* type : {"scene", "geometry", "atlas", "prm"}) EXPECT_TRUE(omits(sky, type)) << type;
+}
+
+TEST(Plan, NumbersThatNoEnvironmentCanHaveAreAUsageError) {
+  Settings settings;
+  settings.environment_samples = 0;
+  EXPECT_THROW(makePlan(kRoom, settings), UsageError);
+  settings.environment_samples = 64;
+  settings.sky_face_cells = 65;
+  EXPECT_THROW(makePlan(kRoom, settings), UsageError);
+}
+
 TEST(Plan, NamedTechniqueWithoutBakerIsAUsageError) {
   Settings settings;
   settings.techniques = {Technique::prm, Technique::vpl};
@@ -73,11 +102,16 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   settings.prm_estimator = PrmEstimator::walks;
   settings.prm_entries = 4096;
   settings.prm_clusters = 256;
+  settings.environment_samples = 32;
+  settings.sky_face_cells = 128;
+  settings.environment = {.rotation_deg = -90, .intensity = 0.5f, .ground_radiance_rgb = {{1, 2, 0.25f}}};
   const std::string json = canonicalJson(settings);
   EXPECT_EQ(canonicalJson(settingsFromJson(json)), json);
   EXPECT_EQ(json,
-            R"({"light_units":"raw","lightmap_size":33,"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
-            R"("quality":"draft","refinement":-2,"seed":18446744073709551615,"techniques":["prm"]})");
+            R"({"environment_ground":[1.0,2.0,0.25],"environment_intensity":0.5,"environment_rotation_deg":-90.0,"environment_samples":32,)"
+            R"("light_units":"raw","lightmap_size":33,"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
+            R"("quality":"draft","refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"]})");
+  EXPECT_EQ(settingsFromJson(json).environment, settings.environment);
   EXPECT_EQ(canonicalJson(settingsFromJson("{}")), canonicalJson(Settings{}));
 }
 
@@ -85,7 +119,9 @@ TEST(Settings, JsonIsChecked) {
   for (const char* bad : {"", "[]", "{", R"({"quality":"best"})", R"({"quality":1})", R"({"lightmap_size":0})", R"({"lightmap_size":8193})",
                           R"({"lightmap_size":1.5})", R"({"seed":-1})", R"({"refinement":4})", R"({"refinement":-7})", R"({"threads":2})",
                           R"({"techniques":[1]})", R"({"light_units":null})", R"({"prm_layout":"pane"})", R"({"prm_estimator":0})",
-                          R"({"prm_entries":-1})", R"({"prm_clusters":65537})"})
+                          R"({"prm_entries":-1})", R"({"prm_clusters":65537})", R"({"environment_samples":4097})",
+                          R"({"sky_face_cells":257})", R"({"environment_intensity":-1})", R"({"environment_rotation_deg":361})",
+                          R"({"environment_ground":[1,2]})", R"({"environment_ground":[1,2,-3]})"})
     EXPECT_THROW(settingsFromJson(bad), UsageError) << bad;
 }
 

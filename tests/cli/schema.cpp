@@ -44,6 +44,11 @@ std::string schemaViolation(const json& schema, const json& value, const std::st
       if (std::find(rule.begin(), rule.end(), value) == rule.end()) return place + " is none of " + rule.dump() + ": " + value.dump();
     } else if (keyword == "minimum") {
       if (value.is_number() && value < rule) return place + " is less than " + rule.dump();
+    } else if (keyword == "maximum") {
+      if (value.is_number() && value > rule) return place + " is more than " + rule.dump();
+    } else if (keyword == "minItems" || keyword == "maxItems") {
+      if (value.is_array() && (keyword == "minItems" ? value.size() < rule.get<size_t>() : value.size() > rule.get<size_t>()))
+        return place + " has " + std::to_string(value.size()) + " items";
     } else if (keyword == "pattern") {
       if (value.is_string() && !std::regex_search(value.get<std::string>(), std::regex(rule.get<std::string>())))
         return place + " does not match " + rule.dump();

@@ -79,11 +79,14 @@ EnvironmentSky bakeSky(const SkyGrid& grid, const std::vector<uint32_t>& label, 
 }
 
 Environment bakeEnvironment(EnvironmentMap& map, const EnvironmentSettings& settings, Diagnostics& diagnostics, const CancelFlag* cancel) {
+  if (settings.grid_width < 64 || settings.grid_width > 8192) throw UsageError("the working resolution of a sky is 64 to 8192 columns");
+  return bakeEnvironment(makeSkyGrid(map, settings.grid_width, diagnostics, cancel), settings, cancel);
+}
+
+Environment bakeEnvironment(const SkyGrid& grid, const EnvironmentSettings& settings, const CancelFlag* cancel) {
   const uint32_t face_cells = settings.sky_face_cells;
   if (face_cells < 16 || face_cells > 256 || face_cells % 2 != 0)
     throw UsageError("the faces of a sky take an even number of cells from 16 to 256");
-  if (settings.grid_width < 64 || settings.grid_width > 8192) throw UsageError("the working resolution of a sky is 64 to 8192 columns");
-  const SkyGrid grid = makeSkyGrid(map, settings.grid_width, diagnostics, cancel);
   Decomposition decomposition = decompose(grid, settings.decomposition, cancel);
   Environment environment;
   environment.sky = bakeSky(grid, decomposition.label, decomposition.cells.sun_count, face_cells, settings.decomposition.threads);

@@ -16,6 +16,9 @@ struct EnvironmentSettings {
 /// Cancelled.
 Environment bakeEnvironment(EnvironmentMap& map, const EnvironmentSettings& settings, Diagnostics& diagnostics, const CancelFlag* cancel);
 
+/// The same from a map that was read already.
+Environment bakeEnvironment(const SkyGrid& grid, const EnvironmentSettings& settings, const CancelFlag* cancel);
+
 /// The sky of a grid without the texels whose label is below `sun_count`.
 EnvironmentSky bakeSky(const SkyGrid& grid, const std::vector<uint32_t>& label, uint32_t sun_count, uint32_t face_cells, int threads);
 

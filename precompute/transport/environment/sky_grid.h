@@ -24,6 +24,7 @@ struct SkyGrid {
   }
 };
 
+using lightwell::luminance;
 inline double luminance(const std::array<double, 3>& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
 /// Reads a map once. The grid is the map's own, or coarser by whole numbers so that it has at most `max_width` columns and half as many

@@ -15,7 +15,8 @@ enum Dimension : uint32_t {
   kEmitterPlace = 2,  // 2D
   kLight = 3,       // 1D: which punctual light
   kSurvival = 4,    // 1D: Russian roulette
-  kPerVertex = 5,
+  kSky = 5,         // 2D
+  kPerVertex = 6,
 };
 constexpr float kSegmentEnd = 1.0f - 0x1p-16f;  // a shadow segment stops short of the light itself
 
@@ -44,7 +45,7 @@ PathVertex vertexAt(const scene::Mesh& mesh, const trace::Hit& hit) {
 }  // namespace
 
 void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& irradiance_rgb) {
-  const auto& [scene, atlas, tracer, emitters, punctual, component, cancel] = context_;
+  const auto& [scene, atlas, tracer, emitters, punctual, sky, component, cancel] = context_;
   irradiance_rgb.assign(starts.size(), Rgb(0.0f));
   paths_.clear();
   for (uint32_t i = 0; i < starts.size(); ++i) {
@@ -67,6 +68,7 @@ void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& ir
       if (component != Component::indirect || path.depth > 0) {
         aimAtLights(path, start);
         if (!emitters.empty()) aimAtEmitter(path, start);
+        if (sky) aimAtSky(path, start);
       }
       if (scatter(path, start)) paths_[going_on++] = path;
     }
@@ -86,8 +88,10 @@ void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& ir
     hits_.resize(rays_.size());
     tracer.closest(rays_, hits_);
     going_on = 0;
-    for (size_t i = 0; i < paths_.size(); ++i)
+    for (size_t i = 0; i < paths_.size(); ++i) {
+      if (sky && hits_[i].triangle == kNone) irradiance_rgb[paths_[i].index] += escape(paths_[i], rays_[i].direction);
       if (arrive(paths_[i], starts[paths_[i].index], hits_[i], irradiance_rgb[paths_[i].index])) paths_[going_on++] = paths_[i];
+    }
     paths_.resize(going_on);
   }
 }
@@ -135,9 +139,28 @@ void PathBatch::aimAtEmitter(const Path& path, const PathStart& start) {
       {path.index, emitter->triangle, path.throughput_rgb * emitter->radiance_rgb * (cos_receiver / (pdf_light + pdf_cosine))});
 }
 
+/// Next-event estimation: queues a shadow ray to a direction of the sky. Balance heuristic as for emitters.
+void PathBatch::aimAtSky(const Path& path, const PathStart& start) {
+  const PathVertex& vertex = path.vertex;
+  const SkyLight::Sample sky = context_.sky->sample(start.sampler.get2D(start.sample, dimensionOf(path.depth, kSky)));
+  const float cos_receiver = sky.direction.dot(vertex.shading_normal);
+  if (!(cos_receiver > 0.0f && sky.direction.dot(vertex.geometric_normal) > 0.0f)) return;
+  light_rays_.push_back({trace::Tracer::offsetOrigin(vertex.position, vertex.geometric_normal, sky.direction), sky.direction});
+  light_contributions_.push_back(
+      {path.index, path.throughput_rgb * sky.radiance_rgb * (cos_receiver / (sky.pdf_solid_angle + cos_receiver / kPi))});
+}
+
+/// What a path's ray brings from the sky.
+Rgb PathBatch::escape(const Path& path, const Vec3& direction) const {
+  if (context_.component == Component::indirect && path.depth == 0) return Rgb(0.0f);
+  const SkyLight::Value sky = context_.sky->at(direction);
+  const float weight = path.pdf_direction > 0.0f ? path.pdf_direction / (path.pdf_direction + sky.pdf_solid_angle) : 0.0f;
+  return path.throughput_rgb * sky.radiance_rgb * (kPi * weight);
+}
+
 /// Queues the ray of a path's next direction. False when the path ends here.
 bool PathBatch::scatter(Path& path, const PathStart& start) {
-  if (context_.component == Component::direct && context_.emitters.empty()) return false;
+  if (context_.component == Component::direct && context_.emitters.empty() && !context_.sky) return false;
   const uint32_t dimension = dimensionOf(path.depth, kDirection);
   const Vec3 local = sampleCosineHemisphere(start.sampler.get2D(start.sample, dimension));
   const Vec3 direction = toWorld(local, path.vertex.shading_normal);
@@ -150,7 +173,7 @@ bool PathBatch::scatter(Path& path, const PathStart& start) {
 
 /// The path's ray met a surface: adds what that emits, reflects there. False when the path ends.
 bool PathBatch::arrive(Path& path, const PathStart& start, const trace::Hit& hit, Rgb& irradiance_rgb) const {
-  const auto& [scene, atlas, tracer, emitters, punctual, component, cancel] = context_;
+  const auto& [scene, atlas, tracer, emitters, punctual, sky, component, cancel] = context_;
   if (hit.triangle == kNone) return false;
   if (!hit.front && !scene.materials[scene.mesh.triangle_material[hit.triangle]].double_sided) return false;
   const scene::SurfaceColor color = scene::surfaceColor(scene, hit.triangle, hit.u, hit.v);

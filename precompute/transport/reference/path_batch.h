@@ -5,6 +5,7 @@
 #include "precompute/atlas/atlas.h"
 #include "precompute/core/random.h"
 #include "precompute/trace/tracer.h"
+#include "precompute/transport/environment/sky_light.h"
 #include "precompute/transport/reference/emitters.h"
 #include "precompute/transport/reference/punctual.h"
 #include "precompute/transport/reference/reference.h"
@@ -18,6 +19,7 @@ struct PathContext {
   const trace::Tracer& tracer;
   const Emitters& emitters;
   const PunctualLights& punctual;
+  const SkyLight* sky;  // null: none
   Component component;
   const CancelFlag* cancel;
 };
@@ -54,7 +56,9 @@ class PathBatch {
   };
   void aimAtLights(const Path& path, const PathStart& start);
   void aimAtEmitter(const Path& path, const PathStart& start);
+  void aimAtSky(const Path& path, const PathStart& start);
   bool scatter(Path& path, const PathStart& start);
+  Rgb escape(const Path& path, const Vec3& direction) const;
   bool arrive(Path& path, const PathStart& start, const trace::Hit& hit, Rgb& irradiance_rgb) const;
 
   const PathContext& context_;

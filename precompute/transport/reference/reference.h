@@ -11,10 +11,13 @@ namespace lightwell::transport {
 
 enum class Component { direct, indirect, total };
 
+class SkyLight;
+
 struct ReferenceOptions {
   uint32_t samples = 256;  // per texel
   uint64_t seed = 1;
   int threads = 0;
+  const SkyLight* sky = nullptr;  // what rays that leave the scene meet; null: darkness
   const CancelFlag* cancel = nullptr;
   std::function<void(double fraction)> progress;  // may be empty; called from any thread
 };
@@ -25,11 +28,11 @@ struct IrradianceMap {
 };
 
 /// Path tracing from points spread over each texel's surface: next-event estimation to punctual lights and to emissive triangles (chosen by
-/// power, distance and orientation, MIS with the balance heuristic against cosine sampling), Russian roulette by throughput, no clamping:
+/// power, distance and orientation) and to the sky (by luminance), MIS with the balance heuristic against cosine sampling, Russian roulette by throughput, no clamping:
 /// unbiased.
 /// Of surfaces that coincide a ray meets one: emitters that lie on each other shine once, and never on themselves.
 /// Throws UsageError without samples, Cancelled when options.cancel was set. `lights` in internal units.
-/// Direct: straight from a light or emitter. Indirect: after at least one reflection.
+/// Direct: straight from a light, an emitter or the sky. Indirect: after at least one reflection.
 /// Irradiance is about the interpolated normal; light from below the geometric surface is not received.
 IrradianceMap referenceIrradiance(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer,
                                   const std::vector<scene::Light>& lights, Component component, const ReferenceOptions& options);

@@ -1,0 +1,26 @@
+// The environment's stages as tasks of the graph.
+#pragma once
+#include "precompute/bake/context.h"
+#include "precompute/transport/environment/environment.h"
+
+namespace lightwell::bake {
+
+struct EnvironmentTasks {
+  TaskIndex baked = 0;                 // output: readEnvironment() takes it
+  std::optional<TaskIndex> measured;   // output: readEnvironmentErrors() takes it
+};
+
+/// `context` must have a sky and outlive the graph. With `measure`, the answers are compared with quadrature over the map.
+EnvironmentTasks addEnvironmentTasks(TaskGraph& graph, const BakeContext& context, const plan::Settings& settings, bool measure);
+
+transport::Environment readEnvironment(const Blob& baked);
+
+/// What is stored is off by this much, unoccluded.
+struct EnvironmentError {
+  double relrmse, texrel, bias;
+  float shininess;  // 1: irradiance
+  uint32_t directions;
+};
+std::vector<EnvironmentError> readEnvironmentErrors(const Blob& measured);
+
+}  // namespace lightwell::bake
