@@ -339,12 +339,14 @@ TEST_P(GlEnvironment, ShadowedLightIsTheCpus) {
     glossy.add(expected, rgbAt(lobe, i));
   }
   EXPECT_LT(diffuse.value(), 0.01);
-  EXPECT_LT(glossy.value(), 0.01);
+  EXPECT_LT(glossy.value(), 0.015);  // maps have texels
 }
 
 TEST_P(GlEnvironment, MapsAreDrawnByImportanceAndAllHaveTheirTurn) {
   load(outdoors(32));
-  upload();
+  lw_gl_environment_options options = LW_GL_ENVIRONMENT_OPTIONS_INIT;
+  options.map_texels = options.sun_map_texels = 16;
+  upload(options);
   Casters casters(GetParam());
   const uint32_t count = lw_gl_environment_cells(gl_environment.get());
   uint32_t refreshed = 0;
@@ -353,7 +355,7 @@ TEST_P(GlEnvironment, MapsAreDrawnByImportanceAndAllHaveTheirTurn) {
   EXPECT_EQ(std::set<uint32_t>(casters.drawn.begin(), casters.drawn.end()).size(), count);
   EXPECT_EQ(casters.drawn[0], 0u);  // the sun
   casters.drawn.clear();
-  const uint32_t frames = 3000;
+  const uint32_t frames = 1000;
   for (uint32_t frame = 0; frame < frames; ++frame)
     ASSERT_EQ(lw_gl_environment_refresh(gl_environment.get(), 1, Casters::callback, &casters, nullptr), LW_OK);
   std::vector<uint32_t> times(count);
