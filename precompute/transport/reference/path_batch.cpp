@@ -15,8 +15,8 @@ enum Dimension : uint32_t {
   kEmitterPlace = 2,  // 2D
   kLight = 3,       // 1D: which punctual light
   kSurvival = 4,    // 1D: Russian roulette
-  kSky = 5,         // 2D
-  kPerVertex = 6,
+  kPerVertex = 5,
+  kFirstSky = 1u << 20,  // 2D, one for each vertex
 };
 constexpr float kSegmentEnd = 1.0f - 0x1p-16f;  // a shadow segment stops short of the light itself
 
@@ -142,7 +142,7 @@ void PathBatch::aimAtEmitter(const Path& path, const PathStart& start) {
 /// Next-event estimation: queues a shadow ray to a direction of the sky. Balance heuristic as for emitters.
 void PathBatch::aimAtSky(const Path& path, const PathStart& start) {
   const PathVertex& vertex = path.vertex;
-  const SkyLight::Sample sky = context_.sky->sample(start.sampler.get2D(start.sample, dimensionOf(path.depth, kSky)));
+  const SkyLight::Sample sky = context_.sky->sample(start.sampler.get2D(start.sample, kFirstSky + path.depth));
   const float cos_receiver = sky.direction.dot(vertex.shading_normal);
   if (!(cos_receiver > 0.0f && sky.direction.dot(vertex.geometric_normal) > 0.0f)) return;
   light_rays_.push_back({trace::Tracer::offsetOrigin(vertex.position, vertex.geometric_normal, sky.direction), sky.direction});
