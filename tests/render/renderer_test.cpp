@@ -58,12 +58,12 @@ std::array<int, 3> middlePixel(const Image8& image) {
 class Stage : public testing::TestWithParam<GlApi> {
  protected:
   Stage() : context(GetParam()) {}
-  void open(bool with_transport, double origin_x_m = 0) {
-    bytes = makeStage(with_transport, origin_x_m);
+  void open(bool with_transport, double origin_x_m = 0, const EnvironmentSettings* sky = nullptr) {
+    bytes = makeStage(with_transport, origin_x_m, sky);
     lw_container* opened = nullptr;
     ASSERT_EQ(lw_open_memory(bytes.data(), bytes.size(), nullptr, &opened), LW_OK);
     container.reset(opened);
-    renderer.emplace(container.get(), EglContext::load, nullptr);
+    renderer.emplace(container.get(), EglContext::load, nullptr, sky ? *sky : EnvironmentSettings{});
   }
   void shine(const lw_light& light) { renderer->setLights({&light, 1}); }
   int greyAt(const View& view) {
@@ -190,6 +190,43 @@ TEST_P(Stage, BackgroundShowsBesideTheScene) {
   view.forward = {0, 1, 0};
   view.background_radiance_rgb = {0.3f, 0.3f, 0.3f};
   EXPECT_NEAR(greyAt(view), displayed(0.3 / 1.2), 2);
+}
+
+/// Under the middle of the plate the sky is hidden by the form factor of a square a metre wide, a metre above.
+TEST_P(Stage, TheSkyLightsWhatItSees) {
+  const double x = test::kPlateHalf / test::kPlateHeight, root = std::sqrt(1 + x * x);
+  const double hidden = 4 / (double(kPi)) * x / root * std::atan(x / root);
+  for (const uint32_t technique : {LW_ENVIRONMENT_SHARE, LW_ENVIRONMENT_SUM, LW_ENVIRONMENT_UNSHADOWED}) {
+    EnvironmentSettings settings;
+    settings.technique = technique;
+    open(false, 0, &settings);
+    ASSERT_TRUE(renderer->hasEnvironment());
+    const double under = technique == LW_ENVIRONMENT_UNSHADOWED ? 1 : 1 - hidden;
+    EXPECT_NEAR(greyAt(downAt(0, 0, 0.9f, -1)), expected(kPi * under, -1), 3) << technique;
+    EXPECT_NEAR(greyAt(downAt(4, 4, 3, -1)), expected(kPi, -1), 3) << technique;
+    View view = downAt(0, 0, 3, -1);
+    view.part = LightPart::indirect;
+    EXPECT_EQ(greyAt(view), 0);
+    view.part = LightPart::full;
+    view.forward = {0, 1, 0};
+    EXPECT_NEAR(greyAt(view), displayed(1 / (1.2 * std::exp2(-1))), 2);
+  }
+}
+
+TEST_P(Stage, FewerCellsAndSmallerMapsStandForAll) {
+  EnvironmentSettings settings;
+  settings.cells = 50;
+  settings.map_texels = 64;
+  open(false, 0, &settings);
+  EXPECT_NEAR(greyAt(downAt(4, 4, 3, -1)), expected(kPi, -1), 4);
+  settings.cells = 0;
+  settings.map_texels = 2048;
+  try {
+    open(false, 0, &settings);
+    FAIL() << "200 maps of 2048 x 2048 texels";
+  } catch (const RenderError& error) {
+    EXPECT_EQ(error.result, LW_GL_UNSUPPORTED);
+  }
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include "format/decode/pixel.h"
 #include "format/encode/writer.h"
 #include "lightwell/v1/container.pb.h"
+#include "precompute/bake/sections.h"
+#include "precompute/transport/environment/bake_environment.h"
 
 namespace lightwell::test {
 namespace {
@@ -38,9 +40,18 @@ void addTransport(format::Writer& writer) {
   writer.add("prm", "pane", pane, {1, texel.size()}, format::ElementType::rgb9e5);
 }
 
+void addSky(format::Writer& writer) {
+  transport::EnvironmentMap map(transport::memoryRowSource(64, 32, std::vector<Rgb>(64 * 32, Rgb(1, 1, 1))), "sky");
+  Diagnostics diagnostics;
+  transport::EnvironmentSettings settings;
+  settings.decomposition.samples = 200;
+  settings.sky_face_cells = 16;
+  bake::addEnvironmentSection(writer, transport::bakeEnvironment(map, settings, diagnostics, nullptr), {});
+}
+
 }  // namespace
 
-std::vector<uint8_t> makeStage(bool with_transport, double origin_x_m) {
+std::vector<uint8_t> makeStage(bool with_transport, double origin_x_m, bool with_sky) {
   format::Writer writer;
   writer.addSection("scene");
   v1::SceneHeader scene;
@@ -75,6 +86,7 @@ std::vector<uint8_t> makeStage(bool with_transport, double origin_x_m) {
   writer.add("atlas", "coverage", std::vector<uint8_t>(source.size(), 1), {kAtlas, kAtlas});
   writer.add("atlas", "albedo", std::vector<uint8_t>(source.size() * 3, 255), {kAtlas, kAtlas, 3});
   if (with_transport) addTransport(writer);
+  if (with_sky) addSky(writer);
   return writer.bytes();
 }
 

@@ -19,7 +19,7 @@
  * bindings; viewport; active texture unit; on units 0 to 5 the bindings of GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY, GL_TEXTURE_CUBE_MAP and
  * the sampler; GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD, the colour mask (of draw buffers 0 to 3 where the context
  * has them one by one); pixel pack and unpack buffer bindings and storage modes; on desktop GL also GL_COLOR_LOGIC_OP, the polygon mode
- * and clip distances 0 to 7. Viewports and scissor tests beyond the first are not preserved. Functions that create, upload or read clear
+ * and clip distances 0 to 7; functions of environments also the binding of GL_UNIFORM_BUFFER. Viewports and scissor tests beyond the first are not preserved. Functions that create, upload or read clear
  * GL's error flag; the others never ask for it. A running query that counts samples or primitives counts ours.
  *
  * Coordinates are the container's: metres relative to lw_scene_info.origin_m.
