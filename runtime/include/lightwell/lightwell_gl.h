@@ -146,7 +146,7 @@ LW_API lw_result lw_gl_upload_cluster_irradiance(lw_gl_prm *gl_prm, const float 
  * options: as lw_prm_evaluate's; NULL for LW_PRM_OPTIONS_INIT. */
 LW_API lw_result lw_gl_evaluate(lw_gl_prm *gl_prm, const lw_prm_options *options);
 
-/* Local bases: only the coefficients of the blocks (with the light between groups, as lw_gl_evaluate), for a game that reconstructs in
+/* Local bases: only the coefficients of the blocks, for a game that reconstructs in
  * its own shader (LW_GLSL_LOCAL_BASES, filled as for display) and needs no atlas texture.
  * LW_INVALID_ARGUMENT for panes. Emitters are not part of it. */
 LW_API lw_result lw_gl_update_coefficients(lw_gl_prm *gl_prm);
@@ -227,12 +227,12 @@ enum {
 typedef struct lw_gl_environment_shading {
   size_t size;               /* sizeof(lw_gl_environment_shading), set by LW_GL_ENVIRONMENT_SHADING_INIT */
   uint32_t technique;        /* LW_ENVIRONMENT_… */
-  uint32_t filter_taps;      /* 1 or 4 filtered comparisons for each cell */
+  uint32_t filter_taps;      /* 1 or 4 comparisons for each cell, each filtered over 2 × 2 texels */
   float scale_rgb[3];        /* of all radiance of the sky */
 } lw_gl_environment_shading;
 #define LW_GL_ENVIRONMENT_SHADING_INIT {sizeof(lw_gl_environment_shading), LW_ENVIRONMENT_SHARE, 1, {1, 1, 1}}
 
-/* Gives a program what LW_GLSL_ENVIRONMENT reads: textures on the units first_unit and first_unit + 1 (their sampler objects are set too), and
+/* Gives a program what LW_GLSL_ENVIRONMENT reads: textures on the units first_unit and first_unit + 1 (without sampler objects), and
  * the uniform buffer at the binding point `binding`. These bindings stay; the rest of the state is restored. The shading belongs to the
  * environment: the last call counts for all programs.
  * LW_NOT_FOUND when the program does not use the snippet, LW_LIMIT_EXCEEDED when its LW_ENVIRONMENT_CELLS is too small.

@@ -85,19 +85,15 @@ lw_result lw_gl::compilePrograms() {
                      {"u_clusters", "u_brightest", "u_keep_energy"}, select);
   if (!result)
     result = compile(*this, "pane", {kAddress, kOwnValue, kPanes},
-                     {"u_texel_map", "u_weight", "u_pane", "u_emitter_direct", "u_emitter_indirect", "u_buried"},
-                     {"u_weights", "u_selected", "u_texels", "u_emitters", "u_max", "u_fill", "u_buried_count"}, panes);
-  if (!result)
-    result = compile(*this, "group", {kAddress, kGroups}, {"u_transport", "u_scale", "u_cluster"}, {"u_groups", "u_first_group"}, groups);
-  if (!result)
-    result = compile(*this, "total", {kAddress, kTotals}, {"u_group", "u_cluster", "u_indirect"}, {"u_clusters"}, totals);
+                     {"u_texel_map", "u_weight", "u_pane", "u_constant", "u_buried"},
+                     {"u_weights", "u_selected", "u_texels", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count"}, panes);
   if (!result)
     result = compile(*this, "coefficient", {kAddress, kCoefficients}, {"u_block", "u_link", "u_coefficient", "u_cluster", "u_scale"},
                      {"u_blocks", "u_quads"}, coefficients);
   if (!result)
     result = compile(*this, "reconstruction", {kAddress, kLocalBases, kOwnValue, kReconstruct},
-                     {"lw_texel_map", "lw_basis", "lw_amount", "u_emitter_direct", "u_emitter_indirect", "u_buried"},
-                     {"lw_quads", "u_emitters", "u_max", "u_fill", "u_buried_count"}, reconstruct);
+                     {"lw_texel_map", "lw_basis", "lw_amount", "u_constant", "u_buried"},
+                     {"lw_quads", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count"}, reconstruct);
   return result;
 }
 
@@ -134,7 +130,7 @@ void lw_gl_destroy(lw_gl* context) {
   api.DeleteVertexArrays(1, &context->vertex_array);
   api.DeleteSamplers(2, context->shadow_sampler);
   for (const gl::Program* program : {&context->entries, &context->clusters, &context->rank, &context->select, &context->panes,
-                                     &context->groups, &context->totals, &context->coefficients, &context->reconstruct})
+                                     &context->coefficients, &context->reconstruct})
     if (program->name) api.DeleteProgram(program->name);
   lightwell::runtime::destroyHandle(context);
 }

@@ -20,7 +20,7 @@ struct lw_gl {
   lightwell::runtime::gl::Api api;
   uint32_t vertex_array = 0;           // empty: vertices come from gl_VertexID
   uint32_t shadow_sampler[2] = {};     // plain, reversed depth
-  Program entries, clusters, rank, select, panes, groups, totals, coefficients, reconstruct;
+  Program entries, clusters, rank, select, panes, coefficients, reconstruct;
 
   lw_result compilePrograms();
 };
@@ -41,19 +41,13 @@ namespace select_uniform {
 enum { clusters, brightest, keep_energy };
 }
 namespace panes_uniform {
-enum { weights, selected, texels, emitters, max, fill, buried_count };
-}
-namespace groups_uniform {
-enum { groups, first_group };
-}
-namespace totals_uniform {
-enum { clusters };
+enum { weights, selected, texels, emitters, constants, sky, max, fill, buried_count };
 }
 namespace coefficients_uniform {
 enum { blocks, quads };
 }
 namespace reconstruct_uniform {
-enum { quads, emitters, max, fill, buried_count };
+enum { quads, emitters, constants, sky, max, fill, buried_count };
 }
 
 }  // namespace lightwell::runtime::gl

@@ -15,7 +15,7 @@ const char kEnvironment[] = R"(
 precision highp float;
 precision highp int;
 precision highp sampler2DArray;
-precision highp sampler2DShadow;
+precision highp sampler2D;
 #endif
 #ifndef LW_ENVIRONMENT_CELLS
 #define LW_ENVIRONMENT_CELLS 256
@@ -34,7 +34,7 @@ layout(std140) uniform LwEnvironment {
   vec4 lw_cell[3 * LW_ENVIRONMENT_CELLS];
 };
 uniform sampler2DArray lw_sky;
-uniform sampler2DShadow lw_depth;
+uniform sampler2D lw_depth;
 
 struct LwCell { vec3 direction, flux, covariance; float spread, solid_angle; };
 LwCell lwCell(int i) {
@@ -142,26 +142,34 @@ float lwAverageCosine(LwCell cell, vec3 tangent, vec3 bitangent, vec3 normal) {
 
 // ---- Shadows
 
-// What the depth map of a cell lets through to a point; `facing`: unit normal of the surface as it is, on the side that is lit. The point is
-// moved along it by the filter's radius times the sine of incidence, just enough that a plane does not shadow itself.
+// What the depth map of a cell lets through to a point; `facing`: unit normal of the surface as it is, on the side that is lit. Each texel
+// is compared with the depth of the surface's own plane there, so that it neither shadows itself nor has to be moved off.
 float lwCellVisibility(int i, vec3 direction, vec3 tangent, vec3 bitangent, vec3 position, vec3 facing) {
   ivec4 maps = lw_maps[i < lw_count.y ? 0 : 1];
   int place = i < lw_count.y ? i : i - lw_count.y;
   float side = float(maps.y), inner = side - 2.0 * lw_scale.a;
   vec3 half_side = max(vec3(dot(abs(tangent), lw_extent.xyz), dot(abs(bitangent), lw_extent.xyz), dot(abs(direction), lw_extent.xyz)),
                        vec3(lw_extent.w));
-  float cosine = dot(facing, direction), texel_m = 2.0 * max(half_side.x, half_side.y) / inner;
-  float radius = lw_way.y > 1 ? 2.2 : 1.5;
-  vec3 offset = position + facing * (texel_m * (0.25 + radius * sqrt(max(0.0, 1.0 - cosine * cosine)))) - lw_center.xyz;
+  vec3 offset = position - lw_center.xyz;
   vec3 at = vec3(dot(offset, tangent), dot(offset, bitangent), -dot(offset, direction)) / half_side;
-  vec2 texel = clamp((at.xy * inner + side) * 0.5, vec2(1.5), vec2(side - 1.5));
-  texel += vec2(float(place % maps.x * maps.y), float(place / maps.x * maps.y + maps.z));
-  float depth = at.z * 0.5 + 0.5;
-  if (lw_way.y == 1) return textureLod(lw_depth, vec3(texel * lw_size.xy, depth), 0.0);
-  float lit = 0.0;
-  for (int tap = 0; tap < 4; ++tap)
-    lit += textureLod(lw_depth, vec3((texel + vec2(float(tap & 1), float(tap >> 1)) - 0.5) * lw_size.xy, depth), 0.0);
-  return 0.25 * lit;
+  float steep = 1.0 / (max(dot(facing, direction), 0.02) * half_side.z * inner);
+  vec2 slope = vec2(dot(facing, tangent) * half_side.x, dot(facing, bitangent) * half_side.y) * steep;  // depth for a texel
+  float bias = 0.1 * (abs(slope.x) + abs(slope.y)) + 0.1 * max(half_side.x, half_side.y) / (half_side.z * inner) + 4e-5;
+  vec2 texel = (at.xy * inner + side) * 0.5 - 0.5;
+  int wide = lw_way.y == 1 ? 2 : 3;
+  vec2 first = clamp(floor(wide == 2 ? texel : texel - 0.5), vec2(0.0), vec2(side - float(wide)));
+  vec2 part = clamp(wide == 2 ? texel - first : texel - 0.5 - first, 0.0, 1.0);
+  ivec2 corner = ivec2(place % maps.x * maps.y, place / maps.x * maps.y + maps.z) + ivec2(first);
+  float depth = at.z * 0.5 + 0.5 + dot(slope, first - texel) - bias, lit = 0.0;
+  for (int y = 0; y < wide; ++y) {
+    float row = 0.0;
+    for (int x = 0; x < wide; ++x) {
+      float weight = x == 0 ? 1.0 - part.x : x == wide - 1 ? part.x : 1.0;
+      if (depth + slope.x * float(x) + slope.y * float(y) <= texelFetch(lw_depth, corner + ivec2(x, y), 0).r) row += weight;
+    }
+    lit += row * (y == 0 ? 1.0 - part.y : y == wide - 1 ? part.y : 1.0);
+  }
+  return wide == 2 ? lit : 0.25 * lit;
 }
 
 vec3 lwVisibleShare(vec3 hidden, vec3 all) { return clamp(1.0 - hidden / max(all, vec3(1e-30)), 0.0, 1.0); }

@@ -110,7 +110,7 @@ class Uploader {
     out_.block.margin = float(kMapMargin);
     out_.block.depth_texel[0] = 1 / float(width);
     out_.block.depth_texel[1] = 1 / float(height);
-    out_.depth = createPicture(api_, {kDepthComponent16, kDepthComponent, kUnsignedShort, 2}, width, height, kLinear, nullptr,
+    out_.depth = createPicture(api_, {kDepthComponent16, kDepthComponent, kUnsignedShort, 2}, width, height, kNearest, nullptr,
                                out_.texture_bytes);
     api_.GenFramebuffers(1, &out_.framebuffer);
     api_.BindFramebuffer(kDrawFramebuffer, out_.framebuffer);
@@ -260,15 +260,14 @@ lw_result lw_gl_bind_environment(lw_gl_environment* environment, uint32_t progra
   const struct {
     const char* name;
     Enum target;
-    Name texture, sampler;
-  } units[] = {{"lw_sky", kTexture2dArray, environment->sky, 0},
-               {"lw_depth", kTexture2d, environment->depth, environment->context->shadow_sampler[0]}};
+    Name texture;
+  } units[] = {{"lw_sky", kTexture2dArray, environment->sky}, {"lw_depth", kTexture2d, environment->depth}};
   for (uint32_t u = 0; u < 2; ++u) {
     const int32_t location = api.GetUniformLocation(program, units[u].name);
     if (location >= 0) api.Uniform1i(location, int32_t(first_unit + u));
     api.ActiveTexture(kTexture0 + first_unit + u);
     api.BindTexture(units[u].target, units[u].texture);
-    api.BindSampler(first_unit + u, units[u].sampler);
+    api.BindSampler(first_unit + u, 0);
   }
   api.ActiveTexture(Enum(active));
   api.UseProgram(Name(program_before));

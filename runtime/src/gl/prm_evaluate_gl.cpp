@@ -24,14 +24,30 @@ void selectBrightest(const lw_gl_prm& prm, uint32_t brightest, bool keep_energy)
   drawInto(prm, prm.selected);
 }
 
-/// The inputs of kOwnValue, except for its uniforms.
-void bindOwnValues(const lw_gl_prm& prm) {
-  bindUnit(prm.context->api, 3, kTexture2d, prm.emitter_direct);
-  bindUnit(prm.context->api, 4, kTexture2d, prm.emitter_indirect);
-  bindUnit(prm.context->api, 5, kTexture2dArray, prm.buried);
+/// What kOwnValue adds to the texels, and how much of it.
+struct Constants {
+  uint32_t bits;  // LW_EMITTERS_…, LW_SKY_…: those that there are
+  float sky_rgb[4];
+};
+Constants constantsOf(const lw_gl_prm& prm, const lw_prm_options& options) {
+  uint32_t there = 0;
+  if (prm.has_emitter) there |= LW_EMITTERS_DIRECT | LW_EMITTERS_INDIRECT;
+  if (prm.has_sky) there |= LW_SKY_DIRECT | LW_SKY_INDIRECT;
+  const float* sky = options.sky_rgb;
+  return {options.emitters & there, {sky[0] * prm.sky_scale, sky[1] * prm.sky_scale, sky[2] * prm.sky_scale, 0}};
 }
 
-void evaluatePanes(const lw_gl_prm& prm, const lw_prm_options& options, uint32_t emitters) {
+/// The inputs of kOwnValue, except for u_fill and u_buried_count. `first`: the place of u_emitters among the program's uniforms.
+void setConstants(const lw_gl_prm& prm, const Program& program, int first, const Constants& constants) {
+  const Api& api = prm.context->api;
+  api.Uniform1i(program.uniform[first], int32_t(constants.bits));
+  api.Uniform1i(program.uniform[first + 1], int32_t(prm.constants));
+  api.Uniform4fv(program.uniform[first + 2], 1, constants.sky_rgb);
+  bindUnit(api, 3, kTexture2dArray, prm.constant);
+  bindUnit(api, 4, kTexture2dArray, prm.buried);
+}
+
+void evaluatePanes(const lw_gl_prm& prm, const lw_prm_options& options) {
   const lw_gl& context = *prm.context;
   const Api& api = context.api;
   const bool selected = options.brightest && options.brightest < prm.clusters;
@@ -41,38 +57,17 @@ void evaluatePanes(const lw_gl_prm& prm, const lw_prm_options& options, uint32_t
   api.Uniform1i(program.uniform[panes_uniform::weights], int32_t(selected ? options.brightest : prm.clusters));
   api.Uniform1i(program.uniform[panes_uniform::selected], selected);
   api.Uniform1i(program.uniform[panes_uniform::texels], int32_t(prm.texels));
-  api.Uniform1i(program.uniform[panes_uniform::emitters], int32_t(emitters));
+  setConstants(prm, program, panes_uniform::emitters, constantsOf(prm, options));
   api.Uniform1f(program.uniform[panes_uniform::max], prm.max_value);
   api.Uniform1i(program.uniform[panes_uniform::fill], int32_t(options.fill));
   api.Uniform1i(program.uniform[panes_uniform::buried_count], int32_t(prm.buried_count));
   bindUnit(api, 0, kTexture2d, prm.texel_map);
   bindUnit(api, 1, kTexture2d, selected ? prm.selected.texture : prm.cluster.texture);
   bindUnit(api, 2, kTexture2dArray, prm.pane);
-  bindOwnValues(prm);
   drawInto(prm, prm.atlas);
 }
 
-/// Irradiance of the clusters with what the groups reflect to each other, into prm.total.
-void addGroupIndirect(const lw_gl_prm& prm) {
-  const lw_gl& context = *prm.context;
-  const Api& api = context.api;
-  api.UseProgram(context.groups.name);
-  api.Uniform1i(context.groups.uniform[groups_uniform::groups], int32_t(prm.groups));
-  api.Uniform1i(context.groups.uniform[groups_uniform::first_group], int32_t(prm.clusters - prm.groups));
-  bindUnit(api, 0, kTexture2dArray, prm.group_transport);
-  bindUnit(api, 1, kTexture2dArray, prm.group_scale);
-  bindUnit(api, 2, kTexture2d, prm.cluster.texture);
-  drawInto(prm, prm.group_indirect);
-  api.UseProgram(context.totals.name);
-  api.Uniform1i(context.totals.uniform[totals_uniform::clusters], int32_t(prm.clusters));
-  bindUnit(api, 0, kTexture2dArray, prm.cluster_group);
-  bindUnit(api, 1, kTexture2d, prm.cluster.texture);
-  bindUnit(api, 2, kTexture2d, prm.group_indirect.texture);
-  drawInto(prm, prm.total);
-}
-
 void updateCoefficients(const lw_gl_prm& prm) {
-  addGroupIndirect(prm);
   const lw_gl& context = *prm.context;
   const Api& api = context.api;
   api.UseProgram(context.coefficients.name);
@@ -81,25 +76,24 @@ void updateCoefficients(const lw_gl_prm& prm) {
   bindUnit(api, 0, kTexture2dArray, prm.block);
   bindUnit(api, 1, kTexture2dArray, prm.link);
   bindUnit(api, 2, kTexture2dArray, prm.coefficient);
-  bindUnit(api, 3, kTexture2d, prm.total.texture);
+  bindUnit(api, 3, kTexture2d, prm.cluster.texture);
   bindUnit(api, 4, kTexture2dArray, prm.scale);
   drawInto(prm, prm.amount);
 }
 
-void reconstruct(const lw_gl_prm& prm, uint32_t emitters, uint32_t fill) {
+void reconstruct(const lw_gl_prm& prm, const lw_prm_options& options) {
   const lw_gl& context = *prm.context;
   const Api& api = context.api;
   const Program& program = context.reconstruct;
   api.UseProgram(program.name);
   api.Uniform1i(program.uniform[reconstruct_uniform::quads], int32_t(prm.quads));
-  api.Uniform1i(program.uniform[reconstruct_uniform::emitters], int32_t(emitters));
+  setConstants(prm, program, reconstruct_uniform::emitters, constantsOf(prm, options));
   api.Uniform1f(program.uniform[reconstruct_uniform::max], prm.max_value);
-  api.Uniform1i(program.uniform[reconstruct_uniform::fill], int32_t(fill));
+  api.Uniform1i(program.uniform[reconstruct_uniform::fill], int32_t(options.fill));
   api.Uniform1i(program.uniform[reconstruct_uniform::buried_count], int32_t(prm.buried_count));
   bindUnit(api, 0, kTexture2d, prm.texel_map);
   bindUnit(api, 1, kTexture2dArray, prm.basis);
   bindUnit(api, 2, kTexture2dArray, prm.amount.texture);
-  bindOwnValues(prm);
   drawInto(prm, prm.atlas);
 }
 
@@ -133,13 +127,12 @@ lw_result lw_gl_evaluate(lw_gl_prm* prm, const lw_prm_options* given) {
   if (!prm) return LW_INVALID_ARGUMENT;
   lw_prm_options options;
   if (!resolveOptions(given, options)) return prm->host.fail(LW_INVALID_ARGUMENT, "lw_prm_options: a value is out of range");
-  const uint32_t emitters = prm->emitter_direct ? options.emitters : 0;
   const StateGuard guard(prm->context->api);
   if (prm->panes) {
-    evaluatePanes(*prm, options, emitters);
+    evaluatePanes(*prm, options);
   } else {
     updateCoefficients(*prm);
-    reconstruct(*prm, emitters, options.fill);
+    reconstruct(*prm, options);
   }
   return LW_OK;
 }

@@ -10,7 +10,7 @@ struct lw_gl_prm {
   lightwell::runtime::Host host;
   lw_gl* context = nullptr;
   bool panes = false;
-  uint32_t entries = 0, clusters = 0, texels = 0, blocks = 0, groups = 0, quads = 0;  // quads: of ranks, ceil(max_rank / 4)
+  uint32_t entries = 0, clusters = 0, texels = 0, blocks = 0, quads = 0;  // quads: of ranks, ceil(max_rank / 4)
   uint32_t width = 0, height = 0;
   uint64_t texture_bytes = 0;
   bool owns_atlas = false;
@@ -27,15 +27,16 @@ struct lw_gl_prm {
   Name texel_map = 0;
   Name buried = 0;                            // RGBA32UI list; see kOwnValue
   uint32_t buried_count = 0;
-  Name emitter_direct = 0, emitter_indirect = 0;  // RGB9E5, width × height; 0 without emitters
+  Name constant = 0;                          // RGB9E5 list [height][width][constants]; 0 without; see kOwnValue
+  uint32_t constants = 0;                     // 2 each for emitters and sky: direct, indirect
+  bool has_emitter = false, has_sky = false;
+  float sky_scale = 1;
   Target atlas;
 
   Name pane = 0;                              // list [cluster][texel]
   Target rank, selected;
   lightwell::runtime::Array<float> pane_sum_rgb;  // [clusters][3]; empty for local bases
 
-  Name cluster_group = 0, group_transport = 0, group_scale = 0;  // lists; see kGroups and kTotals
-  Target group_indirect, total;               // irradiance after a reflection between groups; of clusters in total
   Name block = 0, link = 0, coefficient = 0, scale = 0, basis = 0;  // lists; see kCoefficients and kLocalBases
   Target amount;                              // 4 layers
 };

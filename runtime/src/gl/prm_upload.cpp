@@ -22,7 +22,6 @@ class Uploader {
     out_.clusters = h.clusters;
     out_.texels = h.texels;
     out_.blocks = out_.panes ? 0 : h.blocks;
-    out_.groups = out_.panes ? 0 : h.groups;
     out_.quads = out_.panes ? 0 : (h.max_rank + 3) / 4;
     out_.width = prm_.width;
     out_.height = prm_.height;
@@ -94,20 +93,6 @@ class Uploader {
     else list(out_.pane, kTexelRgb16f, count, prm_.pane_half.data());
   }
 
-  void uploadGroups() {
-    Array<float> scale;
-    if (!allocate(scale, uint64_t(out_.groups) * 4)) return;
-    for (size_t g = 0; g < out_.groups; ++g) {
-      std::memcpy(&scale[g * 4], &prm_.group_transport_scale[g * 3], 3 * sizeof(float));
-      scale[g * 4 + 3] = 0.0f;
-    }
-    list(out_.group_scale, kTexelRgba32f, out_.groups, scale.data());
-    list(out_.cluster_group, kTexelR32ui, out_.clusters, prm_.cluster_group.data());
-    const uint64_t pairs = uint64_t(out_.groups) * out_.groups;
-    if (prm_.group_transport_u8.empty()) list(out_.group_transport, kTexelRgb16ui, pairs, prm_.group_transport_u16.data());
-    else list(out_.group_transport, kTexelRgb8ui, pairs, prm_.group_transport_u8.data());
-  }
-
   void uploadLocalBases() {
     Array<uint32_t> block;
     Array<float> scale;
@@ -162,13 +147,7 @@ class Uploader {
     if (!allocate(value_of_texel, atlas_texels) || !allocate(map, atlas_texels * 2)) return;
     std::memset(value_of_texel.data(), 0xff, value_of_texel.bytes());
     for (uint32_t i = 0; i < out_.texels; ++i) value_of_texel[prm_.texel[i]] = i;
-    if (prm_.header.has_emitter) {
-      for (auto [name, values] : {std::pair{&out_.emitter_direct, &prm_.emitter_direct_rgb9e5},
-                                  std::pair{&out_.emitter_indirect, &prm_.emitter_indirect_rgb9e5}}) {
-        spread(value_of_texel, [&](size_t i, uint32_t value) { map[i] = value == kNone ? 0 : (*values)[value]; });
-        picture(*name, kTexelRgb9e5, map.data());
-      }
-    }
+    uploadConstants(value_of_texel);
     Array<uint32_t> address;  // per value: what the shader needs to find it
     if (!allocate(address, uint64_t(out_.texels) * 2)) return;
     if (out_.panes) {
@@ -187,6 +166,26 @@ class Uploader {
     uploadBuried(value_of_texel, address);
   }
 
+  /// What emitters and sky add to the texels.
+  void uploadConstants(Array<uint32_t>& value_of_texel) {
+    const Array<uint32_t>* panes[4];
+    if (prm_.header.has_emitter)
+      panes[out_.constants++] = &prm_.emitter_direct_rgb9e5, panes[out_.constants++] = &prm_.emitter_indirect_rgb9e5;
+    if (prm_.header.has_sky)
+      panes[out_.constants++] = &prm_.sky_direct_rgb9e5, panes[out_.constants++] = &prm_.sky_indirect_rgb9e5;
+    if (!out_.constants) return;
+    out_.has_emitter = prm_.header.has_emitter;
+    out_.has_sky = prm_.header.has_sky;
+    out_.sky_scale = prm_.header.sky_scale;
+    Array<uint32_t> values;
+    const uint64_t count = uint64_t(prm_.source.size()) * out_.constants;
+    if (!allocate(values, count)) return;
+    spread(value_of_texel, [&](size_t i, uint32_t value) {
+      for (uint32_t k = 0; k < out_.constants; ++k) values[i * out_.constants + k] = value == kNone ? 0 : (*panes[k])[value];
+    });
+    list(out_.constant, kTexelRgb9e5, count, values.data());
+  }
+
   /// The values of texels that show another's; see kOwnValue.
   void uploadBuried(const Array<uint32_t>& value_of_texel, const Array<uint32_t>& address) {
     const auto isBuried = [&](size_t i) { return value_of_texel[i] != kNone && prm_.source[i] != i; };
@@ -197,9 +196,10 @@ class Uploader {
     for (size_t i = 0; i < value_of_texel.size(); ++i) {
       if (!isBuried(i)) continue;
       const size_t value = value_of_texel[i];
-      const bool emitters = prm_.header.has_emitter;
+      const bool emitters = prm_.header.has_emitter, sky = prm_.header.has_sky;
       const uint32_t elements[8] = {uint32_t(i), address[value * 2], address[value * 2 + 1], 0,
-                                    emitters ? prm_.emitter_direct_rgb9e5[value] : 0, emitters ? prm_.emitter_indirect_rgb9e5[value] : 0};
+                                    emitters ? prm_.emitter_direct_rgb9e5[value] : 0, emitters ? prm_.emitter_indirect_rgb9e5[value] : 0,
+                                    sky ? prm_.sky_direct_rgb9e5[value] : 0, sky ? prm_.sky_indirect_rgb9e5[value] : 0};
       std::memcpy(to, elements, sizeof elements);
       to += 8;
     }
@@ -213,8 +213,6 @@ class Uploader {
       target(kTexelR32ui, out_.clusters, out_.rank);
       target(kTexelRgba32f, uint64_t(out_.clusters) + 1, out_.selected);
     } else {
-      target(kTexelRgba32f, out_.groups, out_.group_indirect);
-      target(kTexelRgba32f, out_.clusters, out_.total);
       if (!result_)
         result_ =
             createLayeredTarget(api_, out_.host, kTexelRgba32f, uint64_t(out_.blocks) * out_.quads, out_.amount, out_.texture_bytes);
@@ -273,12 +271,12 @@ void lw_gl_prm_destroy(lw_gl_prm* prm) {
   if (!prm) return;
   const gl::Api& api = prm->context->api;
   if (!prm->owns_atlas) prm->atlas.texture = 0;
-  for (gl::Target* target : {&prm->entry[0], &prm->entry[1], &prm->cluster, &prm->rank, &prm->selected, &prm->group_indirect,
-                             &prm->total, &prm->amount, &prm->atlas})
+  for (gl::Target* target : {&prm->entry[0], &prm->entry[1], &prm->cluster, &prm->rank, &prm->selected,
+                             &prm->amount, &prm->atlas})
     gl::destroyTarget(api, *target);
   for (const gl::Name name :
-       {prm->entry_position, prm->entry_normal, prm->cluster_range, prm->pane_sum, prm->texel_map, prm->emitter_direct,
-        prm->emitter_indirect, prm->pane, prm->buried, prm->cluster_group, prm->group_transport, prm->group_scale, prm->block,
+       {prm->entry_position, prm->entry_normal, prm->cluster_range, prm->pane_sum, prm->texel_map, prm->constant,
+        prm->pane, prm->buried, prm->block,
         prm->link, prm->coefficient, prm->scale, prm->basis})
     if (name) api.DeleteTextures(1, &name);
   destroyHandle(prm);

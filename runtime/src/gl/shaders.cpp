@@ -233,10 +233,12 @@ void main() {
 )";
 
 // The values of buried texels, which show another's, are in a list of their own, in the order of the atlas: it costs no memory where
-// nothing is buried, and no time unless they are asked for. Two elements for each: texel, map entry; RGB9E5 of the emitters.
+// nothing is buried, and no time unless they are asked for. Two elements for each: texel, map entry; RGB9E5 of emitters and sky.
 const char kOwnValue[] = R"(
-uniform sampler2D u_emitter_direct, u_emitter_indirect;
+uniform sampler2DArray u_constant;    // of each texel: emitters' direct, indirect; the sky's; u_constants in all
 uniform usampler2DArray u_buried;
+uniform int u_constants;
+uniform vec4 u_sky;                   // factor on the sky's
 uniform int u_emitters, u_fill, u_buried_count;
 // What the texel is to show, given its entry in the map. `place`: in the list of buried texels, or -1.
 uvec2 lwEntry(usampler2D map, ivec2 texel, out int place) {
@@ -259,16 +261,15 @@ uvec2 lwEntry(usampler2D map, ivec2 texel, out int place) {
 vec3 lwUnpackRgb9e5(uint bits) {
   return vec3((uvec3(bits) >> uvec3(0u, 9u, 18u)) & uvec3(511u)) * uintBitsToFloat(((bits >> 27u) + 103u) << 23u);  // 2^(exponent - 24)
 }
-vec3 lwEmitted(ivec2 texel, int place) {
+vec3 lwConstant(int texel, int place) {
   vec3 sum = vec3(0.0);
-  if (place < 0) {
-    if ((u_emitters & 1) != 0) sum += texelFetch(u_emitter_direct, texel, 0).rgb;
-    if ((u_emitters & 2) != 0) sum += texelFetch(u_emitter_indirect, texel, 0).rgb;
-  } else if (u_emitters != 0) {
-    uvec2 bits = texelFetch(u_buried, lwAddress(place * 2 + 1), 0).rg;
-    if ((u_emitters & 1) != 0) sum += lwUnpackRgb9e5(bits.r);
-    if ((u_emitters & 2) != 0) sum += lwUnpackRgb9e5(bits.g);
-  }
+  if (u_emitters == 0) return sum;
+  uvec4 own = place < 0 ? uvec4(0u) : texelFetch(u_buried, lwAddress(place * 2 + 1), 0);
+  int sky = texel * u_constants + u_constants - 2;
+  if ((u_emitters & 1) != 0) sum += place < 0 ? texelFetch(u_constant, lwAddress(texel * u_constants), 0).rgb : lwUnpackRgb9e5(own.r);
+  if ((u_emitters & 2) != 0) sum += place < 0 ? texelFetch(u_constant, lwAddress(texel * u_constants + 1), 0).rgb : lwUnpackRgb9e5(own.g);
+  if ((u_emitters & 4) != 0) sum += u_sky.rgb * (place < 0 ? texelFetch(u_constant, lwAddress(sky), 0).rgb : lwUnpackRgb9e5(own.b));
+  if ((u_emitters & 8) != 0) sum += u_sky.rgb * (place < 0 ? texelFetch(u_constant, lwAddress(sky + 1), 0).rgb : lwUnpackRgb9e5(own.a));
   return sum;
 }
 )";
@@ -294,41 +295,8 @@ void main() {
     sum += weight.rgb * texelFetch(u_pane, lwAddress(cluster * u_texels + int(value)), 0).rgb;
   }
   if (u_selected != 0) sum *= texelFetch(u_weight, lwPixel(u_weights), 0).rgb;
-  sum = max(sum, vec3(0.0)) + lwEmitted(texel, place);
+  sum = max(sum, vec3(0.0)) + lwConstant(texel.y * textureSize(u_texel_map, 0).x + texel.x, place);
   o_irradiance = vec4(min(sum, vec3(u_max)), 1.0);
-}
-)";
-
-// What each group receives from all groups after at least one reflection.
-const char kGroups[] = R"(
-uniform usampler2DArray u_transport;    // [to][from]
-uniform sampler2DArray u_scale;         // [to]
-uniform sampler2D u_cluster;            // the last u_groups are the groups
-uniform int u_groups, u_first_group;
-out vec4 o_indirect;
-void main() {
-  int to = lwIndex();
-  if (to >= u_groups) discard;
-  vec3 sum = vec3(0.0);
-  for (int from = 0; from < u_groups; ++from) {
-    vec3 irradiance = texelFetch(u_cluster, lwPixel(u_first_group + from), 0).rgb;
-    if (irradiance.r + irradiance.g + irradiance.b == 0.0) continue;
-    sum += irradiance * vec3(texelFetch(u_transport, lwAddress(to * u_groups + from), 0).rgb);
-  }
-  o_indirect = vec4(sum * texelFetch(u_scale, lwAddress(to), 0).rgb, 1.0);
-}
-)";
-
-const char kTotals[] = R"(
-uniform usampler2DArray u_group;        // of each cluster
-uniform sampler2D u_cluster, u_indirect;
-uniform int u_clusters;
-out vec4 o_total;
-void main() {
-  int c = lwIndex();
-  if (c >= u_clusters) discard;
-  int group = int(texelFetch(u_group, lwAddress(c), 0).r);
-  o_total = vec4(min(texelFetch(u_cluster, lwPixel(c), 0).rgb + texelFetch(u_indirect, lwPixel(group), 0).rgb, vec3(3.0e38)), 1.0);
 }
 )";
 
@@ -337,7 +305,7 @@ const char kCoefficients[] = R"(
 uniform usampler2DArray u_block;        // first link, links, address of the first coefficient, rank
 uniform usampler2DArray u_link;
 uniform isampler2DArray u_coefficient;
-uniform sampler2D u_cluster;            // what the clusters receive in total
+uniform sampler2D u_cluster;            // direct irradiance
 uniform sampler2DArray u_scale;         // [block][quad][4]
 uniform int u_blocks, u_quads;
 layout(location = 0) out vec4 o_amount0;
@@ -377,7 +345,7 @@ void main() {
   ivec2 texel = ivec2(gl_FragCoord.xy);
   int place;
   vec4 value = lwLocalBasesEntry(lwEntry(lw_texel_map, texel, place));
-  if (value.a > 0.0) value.rgb = min(value.rgb + lwEmitted(texel, place), vec3(u_max));
+  if (value.a > 0.0) value.rgb = min(value.rgb + lwConstant(texel.y * textureSize(lw_texel_map, 0).x + texel.x, place), vec3(u_max));
   o_irradiance = value;
 }
 )";

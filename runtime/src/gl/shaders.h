@@ -12,6 +12,6 @@ extern const char kVertex[];      // one triangle over everything
 extern const char kLight[], kAtlas[], kLocalBases[], kEnvironment[];  // public snippets
 extern const char kOwnValue[];    // lwEntry, lwEmitted: what a texel shows, and what buried texels have themselves
 // Fragment shaders.
-extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kGroups[], kTotals[], kCoefficients[], kReconstruct[];
+extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kCoefficients[], kReconstruct[];
 
 }  // namespace lightwell::runtime::gl::glsl
