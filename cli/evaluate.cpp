@@ -68,9 +68,9 @@ void run(Session& session, const Options& options) {
   PrmEvaluation evaluation{.container = runtime, .scene = container.scene, .tracer = tracer, .lights = {}, .brightest = options.brightest};
   if (component != Component::direct) {
     evaluation.lights = container.scene.lights;
-    evaluation.emitters |= LW_EMITTERS_INDIRECT;
+    evaluation.emitters |= LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT;
   }
-  if (component != Component::indirect) evaluation.emitters |= LW_EMITTERS_DIRECT;
+  if (component != Component::indirect) evaluation.emitters |= LW_EMITTERS_DIRECT | LW_SKY_DIRECT;
   session.console.progress("transport", "transport …");
   const std::vector<float> atlas_rgba = options.evaluator == "gl" ? evaluatePrmOnGl(evaluation) : evaluatePrmOnCpu(evaluation);
 

@@ -78,9 +78,9 @@ json contentJson(const format::Reader& reader) {
                       {"texels", prm.texels()},
                       {"blocks", prm.blocks()},
                       {"max_rank", prm.max_rank()},
-                      {"groups", prm.groups()},
                       {"brightest", prm.brightest()},
-                      {"has_emitter", prm.has_emitter()}};
+                      {"has_emitter", prm.has_emitter()},
+                      {"has_sky", prm.has_sky()}};
   }
   if (reader.has("environment", "header")) {
     const auto environment = reader.environment();

@@ -14,7 +14,7 @@ struct PrmEvaluation {
   const scene::Scene& scene;       // of the container (bake::loadContainerScene)
   const trace::Tracer& tracer;     // of that scene
   std::span<const scene::Light> lights;
-  uint32_t emitters = LW_EMITTERS_OFF;  // LW_EMITTERS_… bits to add
+  uint32_t emitters = LW_EMITTERS_OFF;  // LW_EMITTERS_… and LW_SKY_… bits to add
   std::optional<uint32_t> brightest;    // panes to sum, 0: all; unset: what the bake recommends
 };
 

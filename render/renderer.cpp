@@ -107,9 +107,9 @@ struct Renderer::Impl {
       for (const ShadowMap& map : shadows.maps()) entry_lights.push_back(map.light);
     checkGl(lw_gl_update_entries(transport.get(), entry_lights.data(), uint32_t(entry_lights.size())), "light at the entry points");
     lw_prm_options options = LW_PRM_OPTIONS_INIT;
-    options.emitters = part == LightPart::direct     ? uint32_t(LW_EMITTERS_DIRECT)
-                       : part == LightPart::indirect ? uint32_t(LW_EMITTERS_INDIRECT)
-                                                     : uint32_t(LW_EMITTERS_DIRECT) | uint32_t(LW_EMITTERS_INDIRECT);
+    // Where the sky itself is there to be drawn, it lights the surfaces too, and its pane must not.
+    const uint32_t direct = LW_EMITTERS_DIRECT | (environment ? 0u : uint32_t(LW_SKY_DIRECT)), indirect = LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT;
+    options.emitters = part == LightPart::direct ? direct : part == LightPart::indirect ? indirect : direct | indirect;
     checkGl(lw_gl_evaluate(transport.get(), &options), "indirect light");
   }
 

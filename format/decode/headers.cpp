@@ -65,7 +65,8 @@ bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header) {
       case 6: reader.read(header.max_rank); break;
       case 7: reader.read(header.brightest); break;
       case 8: reader.read(header.has_emitter); break;
-      case 9: reader.read(header.groups); break;
+      case 10: reader.read(header.has_sky); break;
+      case 11: reader.read(header.sky_scale); break;
     }
   return reader.ok();
 }

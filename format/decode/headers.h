@@ -16,9 +16,11 @@ enum class PrmLayout : uint8_t { unknown = 0, panes = 1, local_bases = 2 };
 struct PrmHeader {
   PrmLayout layout = PrmLayout::unknown;
   uint32_t entries = 0, clusters = 0, texels = 0;
-  uint32_t blocks = 0, max_rank = 0, groups = 0;  // local bases only
+  uint32_t blocks = 0, max_rank = 0;  // local bases only
   uint32_t brightest = 0;             // panes: recommended K, 0: all
   bool has_emitter = false;
+  bool has_sky = false;
+  float sky_scale = 0;
 };
 
 struct SceneHeader {

@@ -56,8 +56,8 @@ void verifyTexels(VerifyContext& context, const v1::PrmHeader& prm) {
 void verifyPanes(VerifyContext& context, const v1::PrmHeader& prm) {
   const uint64_t clusters = prm.clusters(), texels = prm.texels();
   if (prm.brightest() > clusters) context.report(IssueId::header_value, kSection, "header", "brightest is more than there are clusters");
-  if (prm.blocks() != 0 || prm.max_rank() != 0 || prm.groups() != 0)
-    context.report(IssueId::header_value, kSection, "header", "panes have no blocks, no rank and no groups");
+  if (prm.blocks() != 0 || prm.max_rank() != 0)
+    context.report(IssueId::header_value, kSection, "header", "panes have no blocks and no rank");
   const ChunkInfo* pane = context.find(kSection, "pane");
   if (!pane || pane->element != ElementType::f16) {
     context.load<uint32_t>(kSection, "pane", ElementType::rgb9e5, {clusters, texels});
@@ -68,29 +68,8 @@ void verifyPanes(VerifyContext& context, const v1::PrmHeader& prm) {
                       [](uint16_t v) { return v > 0x7bff && v != 0x8000; });
 }
 
-/// What carries light between the groups: the last clusters, which together cover what the others cover.
-void verifyGroups(VerifyContext& context, const v1::PrmHeader& prm) {
-  const uint64_t groups = prm.groups(), clusters = prm.clusters();
-  if (groups == 0 || groups > clusters)
-    return context.report(IssueId::header_value, kSection, "header", "there must be at least one group, and no more than clusters");
-  if (const auto group = context.load<uint32_t>(kSection, "cluster_group", {clusters})) {
-    context.checkEach(*group, IssueId::index_range, kSection, "cluster_group", "name no group", [&](uint32_t v) { return v >= groups; });
-    for (uint64_t g = 0; g < groups; ++g)
-      if ((*group)[clusters - groups + g] != g) {
-        context.report(IssueId::order, kSection, "cluster_group", "group " + std::to_string(g) + " is not in itself");
-        break;
-      }
-  }
-  if (const auto scale = context.load<float>(kSection, "group_transport_scale", {groups, 3}))
-    context.checkEach(*scale, IssueId::not_finite, kSection, "group_transport_scale", "are negative or not finite", isNegativeOrNotFinite);
-  const ChunkInfo* transport = context.find(kSection, "group_transport");
-  if (transport && transport->element == ElementType::u8) context.load<uint8_t>(kSection, "group_transport", {groups, groups, 3});
-  else context.load<uint16_t>(kSection, "group_transport", {groups, groups, 3});
-}
-
 void verifyLocalBases(VerifyContext& context, const v1::PrmHeader& prm) {
   const uint64_t blocks = prm.blocks();
-  verifyGroups(context, prm);
   if (prm.brightest() != 0) context.report(IssueId::header_value, kSection, "header", "local bases have no brightest panes");
   const auto first_texel = context.load<uint32_t>(kSection, "block_first_texel", {blocks + 1});
   const auto rank = context.load<uint8_t>(kSection, "block_rank", {blocks});
@@ -142,6 +121,11 @@ void verifyPrm(VerifyContext& context) {
   if (prm.has_emitter())
     for (const char* name : {"emitter_direct", "emitter_indirect"})
       context.load<uint32_t>(kSection, name, ElementType::rgb9e5, {prm.texels()});
+  if (!prm.has_sky()) return;
+  int exponent = 0;
+  if (!(prm.sky_scale() > 0) || !(prm.sky_scale() <= 0x1p60f) || std::frexp(prm.sky_scale(), &exponent) != 0.5f)
+    context.report(IssueId::header_value, kSection, "header", "sky_scale is not a power of two up to 2^60");
+  for (const char* name : {"sky_direct", "sky_indirect"}) context.load<uint32_t>(kSection, name, ElementType::rgb9e5, {prm.texels()});
 }
 
 }  // namespace lightwell::format

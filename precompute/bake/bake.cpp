@@ -5,6 +5,7 @@
 #include "precompute/bake/prm_error.h"
 #include "precompute/bake/prm_tasks.h"
 #include "precompute/bake/sections.h"
+#include "precompute/bake/sky_tasks.h"
 
 namespace lightwell::bake {
 namespace {
@@ -48,6 +49,7 @@ struct InputRange {
 struct ContainerParts {
   PrmTasks prm;
   InputRange blocks, emitter, solved, references;  // empty without a PRM
+  InputRange sky;                                  // empty without a sky on its texels
   InputRange environment, environment_errors;      // at most one each
 };
 
@@ -60,15 +62,17 @@ void addError(v1::MetaHeader& meta, const char* section, double relrmse, double 
   error->set_against(against);
 }
 
-Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const ContainerParts& parts,
-                      const plan::EnvironmentPlacement& placement, v1::MetaHeader meta, const TaskInputs& in) {
+Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const plan::Settings& settings, const ContainerParts& parts,
+                      v1::MetaHeader meta, const TaskInputs& in) {
   std::optional<transport::PrmResult> prm;
+  SkyPanes sky;
   if (plan.prm) {
     prm = assemblePrm(parts.prm, parts.blocks.of(in), parts.emitter.of(in), parts.solved.of(in)[0]);
     in.cancel.check();
     if (const auto measured = measurePrm(context, *prm, parts.references.of(in)))
       addError(meta, "prm", measured->relrmse, measured->texrel, measured->bias, measured->against);
     in.cancel.check();
+    if (plan.prm_sky) sky = makeSkyPanes(context, settings, *prm, parts.sky.of(in), in.cancel);
   }
   for (const Blob& errors : parts.environment_errors.of(in))
     for (const EnvironmentError& e : readEnvironmentErrors(errors))
@@ -83,9 +87,9 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
     addAtlasSection(writer, context.atlas());
   }
   in.cancel.check();
-  if (prm) addPrmSection(writer, *prm, context.scene().metres_per_unit);
+  if (prm) addPrmSection(writer, *prm, sky, context.scene().metres_per_unit);
   in.cancel.check();
-  for (const Blob& environment : parts.environment.of(in)) addEnvironmentSection(writer, readEnvironment(environment), placement);
+  for (const Blob& environment : parts.environment.of(in)) addEnvironmentSection(writer, readEnvironment(environment), settings.environment);
   return writer.bytes();
 }
 
@@ -101,7 +105,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options)
   if (plan.prm) {
     baker = std::make_shared<transport::PrmBaker>(context.scene(), context.atlas(), *context.tracer(), prm_settings);
     if (baker->blockCount() == 0 || baker->groupCount() == 0) {
-      plan.prm = false;
+      plan.prm = plan.prm_sky = false;
       plan.omitted.push_back({"prm", "every texel lies inside or behind other surfaces"});
     }
   }
@@ -117,6 +121,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options)
     parts.blocks = take(parts.prm.blocks);
     parts.emitter = take(parts.prm.emitter);
     parts.solved = take({parts.prm.solved});
+    if (plan.prm_sky) parts.sky = take(addSkyTasks(result.graph, context, options.settings));
     parts.references = take(addReferenceTasks(result.graph, context, options.test_lights));
   }
   if (plan.environment) {
@@ -130,10 +135,10 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options)
   const std::string parameters =
       context.surfaceKey().hex() + context.lightKey().hex() + context.skyKey().hex() + meta.SerializeAsString();
   const double texels = double(context.settings().lightmap_size) * context.settings().lightmap_size;
-  const plan::EnvironmentPlacement placement = options.settings.environment;
   result.container = result.graph.add(
-      {"container", "container", "container", parameters, inputs, texels + 1, [&context, plan, parts, placement, meta](const TaskInputs& in) {
-         return encodeContainer(context, plan, parts, placement, meta, in);
+      {"container", "container", "container", parameters, inputs, texels + 1,
+       [&context, plan, settings = options.settings, parts, meta](const TaskInputs& in) {
+         return encodeContainer(context, plan, settings, parts, meta, in);
        }});
   result.omitted = plan.omitted;
   return result;

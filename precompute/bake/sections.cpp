@@ -43,21 +43,29 @@ std::vector<uint32_t> toRgb9e5(const std::vector<Rgb>& colors) {
   return packed;
 }
 
+/// A power of two that brings the brightest value to 2^14 to 2^15: a sky may have a sun of 100,000 lux, more than RGB9E5 can hold.
+float skyScale(const SkyPanes& sky) {
+  float largest = 0;
+  for (const auto* pane : {&sky.direct_rgb, &sky.indirect_rgb})
+    for (const Rgb& c : *pane) largest = std::max(largest, maxComponent(c));
+  return largest > 0 ? std::exp2(std::clamp(std::floor(std::log2(largest)) - 14, -60.0f, 60.0f)) : 1.0f;
+}
+
+std::vector<Rgb> scaled(std::vector<Rgb> colors, float factor) {
+  for (Rgb& c : colors) c *= factor;
+  return colors;
+}
+
 void addPanes(format::Writer& writer, const transport::PrmResult& prm) {
   writer.add("prm", "pane", toRgb9e5(prm.panes.irradiance_rgb), {prm.entries.clusterCount(), prm.texel.size()}, ElementType::rgb9e5);
 }
 
 void addLocalBases(format::Writer& writer, const transport::PrmResult& prm) {
   const transport::PrmLocalBases& bases = prm.bases;
-  const uint64_t groups = bases.group_count;
   std::vector<int8_t> basis(bases.basis.size());
   std::transform(bases.basis.begin(), bases.basis.end(), basis.begin(),
                  [](float v) { return int8_t(std::lround(std::clamp(v, -1.0f, 1.0f) * 127.0f)); });
   const QuantisedBases quantised = quantiseBases(prm);
-  writer.add("prm", "cluster_group", bases.cluster_group);
-  writer.add("prm", "group_transport_scale", quantised.group_transport_scale, {groups, 3});
-  if (quantised.group_transport_u16.empty()) writer.add("prm", "group_transport", quantised.group_transport_u8, {groups, groups, 3});
-  else writer.add("prm", "group_transport", quantised.group_transport_u16, {groups, groups, 3});
   writer.add("prm", "block_first_texel", bases.block_first_texel);
   writer.add("prm", "block_rank", bases.block_rank);
   writer.add("prm", "basis", basis);
@@ -129,7 +137,7 @@ void addAtlasSection(format::Writer& writer, const atlas::Atlas& atlas) {
   if (emits) writer.add("atlas", "emission", emission, {height, width}, ElementType::rgb9e5);
 }
 
-void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, double metres_per_unit) {
+void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, const SkyPanes& sky, double metres_per_unit) {
   const bool bases = !prm.bases.block_rank.empty();
   const bool emitters = !prm.emitter_direct_rgb.empty();
   v1::PrmHeader header;
@@ -139,10 +147,13 @@ void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, doub
   header.set_texels(uint32_t(prm.texel.size()));
   if (bases) {
     header.set_blocks(uint32_t(prm.bases.block_rank.size()));
-    header.set_groups(prm.bases.group_count);
     header.set_max_rank(*std::max_element(prm.bases.block_rank.begin(), prm.bases.block_rank.end()));
   }
   header.set_has_emitter(emitters);
+  const bool has_sky = !sky.direct_rgb.empty();
+  const float sky_scale = has_sky ? skyScale(sky) : 0;
+  header.set_has_sky(has_sky);
+  header.set_sky_scale(sky_scale);
   const uint64_t entries = prm.entries.position.size();
   writer.addSection("prm");
   writer.addMessage("prm", "header", header);
@@ -158,6 +169,10 @@ void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, doub
   if (emitters) {
     writer.add("prm", "emitter_direct", toRgb9e5(prm.emitter_direct_rgb), {}, ElementType::rgb9e5);
     writer.add("prm", "emitter_indirect", toRgb9e5(prm.emitter_indirect_rgb), {}, ElementType::rgb9e5);
+  }
+  if (has_sky) {
+    writer.add("prm", "sky_direct", toRgb9e5(scaled(sky.direct_rgb, 1 / sky_scale)), {}, ElementType::rgb9e5);
+    writer.add("prm", "sky_indirect", toRgb9e5(scaled(sky.indirect_rgb, 1 / sky_scale)), {}, ElementType::rgb9e5);
   }
 }
 

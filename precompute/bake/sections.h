@@ -6,6 +6,7 @@
 #include "format/encode/writer.h"
 #include "lightwell/v1/container.pb.h"
 #include "precompute/atlas/atlas.h"
+#include "precompute/bake/sky_tasks.h"
 #include "precompute/plan/settings.h"
 #include "precompute/scene/scene.h"
 #include "precompute/transport/environment/environment.h"
@@ -18,7 +19,7 @@ void addSceneSection(format::Writer& writer, const scene::Scene& scene);
 void addGeometrySection(format::Writer& writer, const scene::Scene& scene, const atlas::Atlas& atlas);
 void addAtlasSection(format::Writer& writer, const atlas::Atlas& atlas);
 /// `metres_per_unit` of the scene. Every number is quantised here (quantised_bases.h).
-void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, double metres_per_unit);
+void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, const SkyPanes& sky, double metres_per_unit);
 /// `placement` is how the map was read: --exact answers need it again.
 void addEnvironmentSection(format::Writer& writer, const transport::Environment& environment, const plan::EnvironmentPlacement& placement);
 void addMetaSection(format::Writer& writer, const v1::MetaHeader& header);

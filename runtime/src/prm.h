@@ -23,11 +23,7 @@ struct lw_prm {
   Array<uint16_t> pane_half;            // [clusters][texels][3]
   Array<float> pane_sum_rgb;            // [clusters][3]: over the texels, what ranks clusters and keeps their energy
 
-  // Local bases. The last header.groups clusters are groups.
-  Array<uint32_t> cluster_group;        // [clusters], < groups; a group's own is itself
-  Array<float> group_transport_scale;   // [to group][3]
-  Array<uint8_t> group_transport_u8;    // [to group][from group][3]; one of the two is filled
-  Array<uint16_t> group_transport_u16;
+  // Local bases.
   Array<uint32_t> block_first_texel;    // [blocks + 1]
   Array<uint8_t> block_rank;            // [blocks]
   Array<int8_t> basis;                  // per block [texel][rank], value / 127
@@ -38,6 +34,7 @@ struct lw_prm {
   Array<int16_t> coefficient_i16;
 
   Array<uint32_t> emitter_direct_rgb9e5, emitter_indirect_rgb9e5;  // [texels], or empty
+  Array<uint32_t> sky_direct_rgb9e5, sky_indirect_rgb9e5;          // [texels], times header.sky_scale; or empty
 };
 
 namespace lightwell::runtime {

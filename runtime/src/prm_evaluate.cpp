@@ -20,7 +20,7 @@ bool resolveOptions(const lw_prm_options* given, lw_prm_options& options) {
   options = LW_PRM_OPTIONS_INIT;
   if (!given) return true;
   if (given->size < sizeof(lw_prm_options) || given->keep_energy > 1 || given->fill > 1 ||
-      given->emitters > (LW_EMITTERS_DIRECT | LW_EMITTERS_INDIRECT))
+      given->emitters > (LW_EMITTERS_DIRECT | LW_EMITTERS_INDIRECT | LW_SKY_DIRECT | LW_SKY_INDIRECT) || !isIrradiance(given->sky_rgb, 3))
     return false;
   options = *given;
   return true;
@@ -109,33 +109,6 @@ void evaluatePanes(const lw_prm& prm, const float* irradiance_rgb, const Weight*
   }
 }
 
-/// A row of the group transport times the groups' irradiance. Twelve sums at a time: whole vectors, whole triples.
-template <class Transport>
-void multiplyRow(const Transport* row, const float* irradiance_rgb, size_t count, float* sum_rgb) {
-  constexpr size_t kLanes = 12;
-  float lane[kLanes] = {};
-  size_t i = 0;
-  for (; i + kLanes <= count; i += kLanes)
-    for (size_t k = 0; k < kLanes; ++k) lane[k] += float(row[i + k]) * irradiance_rgb[i + k];
-  for (size_t k = 0; i < count; ++i, ++k) lane[k] += float(row[i]) * irradiance_rgb[i];
-  for (size_t k = 0; k < 3; ++k) sum_rgb[k] = lane[k] + lane[k + 3] + lane[k + 6] + lane[k + 9];
-}
-
-/// The clusters' irradiance with what the groups reflect to each other: total_rgb is [clusters][3], group_rgb scratch of [groups][3].
-template <class Transport>
-void addGroupIndirect(const lw_prm& prm, const Transport* transport, const float* irradiance_rgb, float* group_rgb, float* total_rgb) {
-  const size_t clusters = prm.header.clusters, groups = prm.header.groups;
-  const float* group_irradiance_rgb = irradiance_rgb + (clusters - groups) * 3;
-  for (size_t to = 0; to < groups; ++to) {
-    multiplyRow(transport + to * groups * 3, group_irradiance_rgb, groups * 3, group_rgb + to * 3);
-    for (size_t k = 0; k < 3; ++k) group_rgb[to * 3 + k] *= prm.group_transport_scale[to * 3 + k];
-  }
-  for (size_t c = 0; c < clusters; ++c) {
-    const float* indirect_rgb = group_rgb + size_t(prm.cluster_group[c]) * 3;
-    for (size_t k = 0; k < 3; ++k) total_rgb[c * 3 + k] = sane(irradiance_rgb[c * 3 + k] + indirect_rgb[k]);
-  }
-}
-
 template <class Coefficient>
 void evaluateLocalBases(const lw_prm& prm, const Coefficient* coefficient, const float* irradiance_rgb, float* rgba) {
   const int8_t* basis = prm.basis.data();
@@ -167,13 +140,14 @@ void evaluateLocalBases(const lw_prm& prm, const Coefficient* coefficient, const
   }
 }
 
-void addEmitters(const lw_prm& prm, const Array<uint32_t>& emitter_rgb9e5, float* rgba) {
-  for (size_t i = 0; i < emitter_rgb9e5.size(); ++i) {
-    const format::Float3 e = format::unpackRgb9e5(emitter_rgb9e5[i]);
+/// Adds a constant pane, times a factor per channel.
+void addConstant(const lw_prm& prm, const Array<uint32_t>& pane_rgb9e5, const float* factor_rgb, float* rgba) {
+  for (size_t i = 0; i < pane_rgb9e5.size(); ++i) {
+    const format::Float3 e = format::unpackRgb9e5(pane_rgb9e5[i]);
     float* texel = rgba + size_t(prm.texel[i]) * 4;
-    texel[0] = sane(texel[0] + e.x);
-    texel[1] = sane(texel[1] + e.y);
-    texel[2] = sane(texel[2] + e.z);
+    texel[0] = sane(texel[0] + e.x * factor_rgb[0]);
+    texel[1] = sane(texel[1] + e.y * factor_rgb[1]);
+    texel[2] = sane(texel[2] + e.z * factor_rgb[2]);
   }
 }
 
@@ -193,8 +167,7 @@ using namespace lightwell::runtime;
 
 size_t lw_prm_scratch_bytes(const lw_prm* prm) {
   if (!prm) return 0;
-  const size_t clusters = prm->header.clusters, groups = prm->header.groups;
-  return prm->pane_sum_rgb.empty() ? (clusters + groups) * 3 * sizeof(float) : clusters * sizeof(Weight);
+  return prm->pane_sum_rgb.empty() ? 0 : size_t(prm->header.clusters) * sizeof(Weight);
 }
 
 lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb, const lw_prm_options* given, void* scratch,
@@ -214,17 +187,15 @@ lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb
     const uint32_t count = selectBrightest(*prm, cluster_irradiance_rgb, options.brightest, options.keep_energy != 0, weights, scale_rgb);
     evaluatePanes(*prm, cluster_irradiance_rgb, weights, count, scale_rgb, atlas_rgba);
   } else {
-    auto* total_rgb = static_cast<float*>(scratch);
-    float* group_rgb = total_rgb + size_t(prm->header.clusters) * 3;
-    if (prm->group_transport_u8.empty())
-      addGroupIndirect(*prm, prm->group_transport_u16.data(), cluster_irradiance_rgb, group_rgb, total_rgb);
-    else
-      addGroupIndirect(*prm, prm->group_transport_u8.data(), cluster_irradiance_rgb, group_rgb, total_rgb);
-    if (prm->coefficient_i8.empty()) evaluateLocalBases(*prm, prm->coefficient_i16.data(), total_rgb, atlas_rgba);
-    else evaluateLocalBases(*prm, prm->coefficient_i8.data(), total_rgb, atlas_rgba);
+    if (prm->coefficient_i8.empty()) evaluateLocalBases(*prm, prm->coefficient_i16.data(), cluster_irradiance_rgb, atlas_rgba);
+    else evaluateLocalBases(*prm, prm->coefficient_i8.data(), cluster_irradiance_rgb, atlas_rgba);
   }
-  if (options.emitters & LW_EMITTERS_DIRECT) addEmitters(*prm, prm->emitter_direct_rgb9e5, atlas_rgba);
-  if (options.emitters & LW_EMITTERS_INDIRECT) addEmitters(*prm, prm->emitter_indirect_rgb9e5, atlas_rgba);
+  const float once[3] = {1, 1, 1}, scale = prm->header.sky_scale;
+  const float sky_rgb[3] = {options.sky_rgb[0] * scale, options.sky_rgb[1] * scale, options.sky_rgb[2] * scale};
+  if (options.emitters & LW_EMITTERS_DIRECT) addConstant(*prm, prm->emitter_direct_rgb9e5, once, atlas_rgba);
+  if (options.emitters & LW_EMITTERS_INDIRECT) addConstant(*prm, prm->emitter_indirect_rgb9e5, once, atlas_rgba);
+  if (options.emitters & LW_SKY_DIRECT) addConstant(*prm, prm->sky_direct_rgb9e5, sky_rgb, atlas_rgba);
+  if (options.emitters & LW_SKY_INDIRECT) addConstant(*prm, prm->sky_indirect_rgb9e5, sky_rgb, atlas_rgba);
   if (options.fill) applySources(*prm, atlas_rgba);
   return LW_OK;
 }

@@ -29,6 +29,11 @@ class Loader {
       decode("emitter_direct", ElementType::rgb9e5, h.texels, prm_.emitter_direct_rgb9e5);
       decode("emitter_indirect", ElementType::rgb9e5, h.texels, prm_.emitter_indirect_rgb9e5);
     }
+    if (h.has_sky) {
+      if (!(h.sky_scale > 0 && h.sky_scale <= 0x1p60f)) return bad("header", "sky_scale is out of range");
+      decode("sky_direct", ElementType::rgb9e5, h.texels, prm_.sky_direct_rgb9e5);
+      decode("sky_indirect", ElementType::rgb9e5, h.texels, prm_.sky_indirect_rgb9e5);
+    }
     return result_;
   }
 
@@ -125,27 +130,10 @@ class Loader {
     }
   }
 
-  void loadGroups() {
-    const uint64_t groups = prm_.header.groups, first_group = prm_.header.clusters - groups;
-    decode("cluster_group", ElementType::u32, prm_.header.clusters, prm_.cluster_group);
-    decode("group_transport_scale", ElementType::f32, groups * 3, prm_.group_transport_scale);
-    if (elementOf("group_transport") == ElementType::u8)
-      decode("group_transport", ElementType::u8, groups * groups * 3, prm_.group_transport_u8);
-    else
-      decode("group_transport", ElementType::u16, groups * groups * 3, prm_.group_transport_u16);
-    if (result_) return;
-    for (uint64_t c = 0; c < prm_.cluster_group.size(); ++c)
-      if (prm_.cluster_group[c] >= groups || (c >= first_group && prm_.cluster_group[c] != c - first_group))
-        return void(bad("cluster_group", "a cluster is in no group, or a group not in itself"));
-    for (const float scale : prm_.group_transport_scale)
-      require(scale >= 0 && scale <= FLT_MAX, "group_transport_scale", "a value is negative or not finite");
-  }
-
   void loadLocalBases() {
     const format::PrmHeader& h = prm_.header;
-    if (!result_ && (!h.blocks || h.blocks > h.texels || !h.max_rank || h.max_rank > 255 || !h.groups || h.groups > h.clusters))
+    if (!result_ && (!h.blocks || h.blocks > h.texels || !h.max_rank || h.max_rank > 255))
       return void(bad("header", "its counts cannot be"));
-    loadGroups();
     decode("block_first_texel", ElementType::u32, uint64_t(h.blocks) + 1, prm_.block_first_texel);
     decode("block_rank", ElementType::u8, h.blocks, prm_.block_rank);
     decode("block_first_link", ElementType::u32, uint64_t(h.blocks) + 1, prm_.block_first_link);
@@ -203,7 +191,7 @@ lw_result lw_prm_get_info(const lw_prm* prm, lw_prm_info* info) {
   const lightwell::format::PrmHeader& h = prm->header;
   const bool panes = h.layout == lightwell::format::PrmLayout::panes;
   *info = {panes ? LW_PRM_PANES : LW_PRM_LOCAL_BASES, h.entries, h.clusters, h.texels, panes ? 0 : h.blocks, panes ? 0 : h.max_rank,
-           panes ? 0 : h.groups, panes ? h.brightest : 0, h.has_emitter ? 1u : 0u, prm->width, prm->height};
+           panes ? h.brightest : 0, h.has_emitter ? 1u : 0u, h.has_sky ? 1u : 0u, prm->width, prm->height};
   return LW_OK;
 }
 

@@ -16,7 +16,7 @@
 namespace lightwell::bake {
 namespace {
 
-constexpr uint32_t kSize = 8, kClusters = 40, kGroups = 5, kBlocks = 4, kRank = 3;
+constexpr uint32_t kSize = 8, kClusters = 40, kBlocks = 4, kRank = 3;
 
 struct Random {
   uint64_t state = 1;
@@ -51,9 +51,6 @@ transport::PrmResult randomPrm() {
     prm.entries.cluster_first_entry.push_back(c + 1);
   }
   transport::PrmLocalBases& b = prm.bases;
-  b.group_count = kGroups;
-  for (uint32_t c = 0; c < kClusters; ++c) b.cluster_group.push_back(c < kClusters - kGroups ? c % kGroups : c - (kClusters - kGroups));
-  for (uint32_t i = 0; i < kGroups * kGroups * 3; ++i) b.group_transport.push_back(random() / kGroups);
   b.block_first_texel = b.block_first_link = {0};
   const uint32_t texels = kSize * kSize / kBlocks;
   for (uint32_t block = 0; block < kBlocks; ++block) {
@@ -104,19 +101,14 @@ TEST(QuantisedBases, AreAsWideAsTheLightMapsNeed) {
   for (float& c : prm.bases.coefficient) c = 1 + 0.1f * c;
   QuantisedBases quantised = quantiseBases(prm);
   EXPECT_EQ(quantised.coefficient_i8.size(), prm.bases.coefficient.size());
-  EXPECT_EQ(quantised.group_transport_u8.size(), prm.bases.group_transport.size());
-  EXPECT_TRUE(quantised.coefficient_i16.empty() && quantised.group_transport_u16.empty());
+  EXPECT_TRUE(quantised.coefficient_i16.empty());
   // Great numbers that no light ever meets leave few steps to those that matter.
   prm.entries.weight[0] = 0;
-  prm.entries.weight[kClusters - kGroups] = 0;
   for (uint32_t block = 0; block < kBlocks; ++block)
     for (uint32_t i = 0; i < kRank * 3; ++i) prm.bases.coefficient[block * kClusters * kRank * 3 + i] = 300;
-  for (uint32_t to = 0; to < kGroups; ++to)
-    for (int channel = 0; channel < 3; ++channel) prm.bases.group_transport[to * kGroups * 3 + channel] = 300;
   quantised = quantiseBases(prm);
   EXPECT_EQ(quantised.coefficient_i16.size(), prm.bases.coefficient.size());
-  EXPECT_EQ(quantised.group_transport_u16.size(), prm.bases.group_transport.size());
-  EXPECT_TRUE(quantised.coefficient_i8.empty() && quantised.group_transport_u8.empty());
+  EXPECT_TRUE(quantised.coefficient_i8.empty());
 }
 
 TEST(QuantisedBases, UseNoMoreOfSixteenBitsThanTheLightMapsNeed) {
@@ -138,7 +130,7 @@ class PrmSection : public testing::Test {
     format::Writer writer;
     addSceneSection(writer, scene::Scene());
     addAtlasSection(writer, planeAtlas());
-    addPrmSection(writer, prm, 1.0);
+    addPrmSection(writer, prm, {}, 1.0);
     container = writer.bytes();
     lw_container* opened = nullptr;
     EXPECT_EQ(lw_open_memory(container.data(), container.size(), nullptr, &opened), LW_OK);
@@ -167,16 +159,15 @@ TEST_F(PrmSection, IsSound) {
 
 TEST_F(PrmSection, GivesTheBakesLight) {
   Random random;
-  std::vector<Rgb> irradiance_rgb, bounced_only(kClusters, Rgb(0.0f));
+  std::vector<Rgb> irradiance_rgb, one_cluster(kClusters, Rgb(0.0f));
   for (uint32_t c = 0; c < kClusters; ++c) irradiance_rgb.emplace_back(random(), random(), random());
   const auto expected = transport::evaluatePrm(prm, irradiance_rgb), own = evaluate(irradiance_rgb, 0);
   EXPECT_LT(relrmse(own, expected), kMostCoefficientChange);
   Rgb expected_sum(0.0f), own_sum(0.0f);
   for (size_t i = 0; i < own.size(); ++i) expected_sum += expected[i], own_sum += own[i];
   for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(own_sum[channel] / expected_sum[channel], 1, 5e-4);
-  // Light on one group alone reaches every texel by way of all groups.
-  bounced_only[kClusters - 1] = Rgb(1.0f);
-  EXPECT_LT(relrmse(evaluate(bounced_only, 0), transport::evaluatePrm(prm, bounced_only)), 0.01);
+  one_cluster[kClusters - 1] = Rgb(1.0f);
+  EXPECT_LT(relrmse(evaluate(one_cluster, 0), transport::evaluatePrm(prm, one_cluster)), 0.01);
 }
 
 TEST_F(PrmSection, BuriedTexelsKeepTheirOwnLightAndShowAnothers) {

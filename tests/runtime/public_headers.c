@@ -12,7 +12,7 @@ int main(void) {
   lw_gl_environment_shading shading = LW_GL_ENVIRONMENT_SHADING_INIT;
   lw_container *container = NULL;
   lw_gl *gl = NULL;
-  if (config.size != sizeof config || options.emitters != LW_EMITTERS_INDIRECT || gl_options.atlas_texture != 0 || light.shadow_matrix[15] != 1)
+  if (config.size != sizeof config || options.emitters != (LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT) || gl_options.atlas_texture != 0 || light.shadow_matrix[15] != 1)
     return 1;
   if (sky.bounds_max_m[2] != 1 || shading.technique != LW_ENVIRONMENT_SHARE || shading.scale_rgb[2] != 1) return 5;
   if (lw_open_memory("not a container", 15, &config, &container) != LW_BAD_MAGIC) return 2;

@@ -237,9 +237,9 @@ typedef struct lw_prm_info {
   uint32_t texels;         /* with a value */
   uint32_t blocks;         /* local bases, else 0 */
   uint32_t max_rank;       /* local bases, else 0 */
-  uint32_t groups;         /* local bases: the last so many clusters, between which light is reflected further; else 0 */
   uint32_t brightest;      /* panes: the number of clusters that the bake recommends; 0: all */
   uint32_t has_emitter;    /* 1: emitting surfaces add a constant irradiance */
+  uint32_t has_sky;        /* 1: so does the sky that the scene was baked under */
   uint32_t width, height;  /* of the atlas */
 } lw_prm_info;
 
@@ -288,24 +288,24 @@ LW_API lw_result lw_prm_entry_irradiance(const lw_prm *prm, const lw_light *ligh
  * entry_irradiance_rgb: [entries][3]. cluster_irradiance_rgb: [clusters][3]. */
 LW_API lw_result lw_prm_cluster_irradiance(const lw_prm *prm, const float *entry_irradiance_rgb, float *cluster_irradiance_rgb);
 
-/* What emitting surfaces add (lw_prm_options.emitters): bits. */
-enum { LW_EMITTERS_OFF = 0, LW_EMITTERS_DIRECT = 1, LW_EMITTERS_INDIRECT = 2 };
+/* What emitting surfaces and the sky of the bake add (lw_prm_options.emitters): bits. */
+enum { LW_EMITTERS_OFF = 0, LW_EMITTERS_DIRECT = 1, LW_EMITTERS_INDIRECT = 2, LW_SKY_DIRECT = 4, LW_SKY_INDIRECT = 8 };
 
 typedef struct lw_prm_options {
   size_t size;               /* sizeof(lw_prm_options), set by LW_PRM_OPTIONS_INIT */
   uint32_t brightest;        /* panes: use only the K clusters that contribute most light; 0: all. Local bases always use all */
   uint32_t keep_energy;      /* 1: scale what the K give, per channel, so that the atlas's total is that of all; 0: drop the rest */
-  uint32_t emitters;         /* LW_EMITTERS_… bits; nothing happens when the container has no emitter maps */
+  uint32_t emitters;         /* LW_EMITTERS_… and LW_SKY_… bits; nothing happens when the container has no such maps */
   uint32_t fill;             /* 1: for display, gutters and buried texels show the value of their source (LW_ARRAY_ATLAS_SOURCE); 0: for
                                 measuring, each texel with a value has its own mean over the surface in it, others are zero */
+  float sky_rgb[3];          /* factor on the sky's light, finite and ≥ 0: brighter, darker, another colour without a new bake */
 } lw_prm_options;
-#define LW_PRM_OPTIONS_INIT {sizeof(lw_prm_options), 0, 1, LW_EMITTERS_INDIRECT, 1}
+#define LW_PRM_OPTIONS_INIT {sizeof(lw_prm_options), 0, 1, LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT, 1, {1, 1, 1}}
 
 /* Bytes of scratch memory that lw_prm_evaluate needs; 0 for a NULL prm. */
 LW_API size_t lw_prm_scratch_bytes(const lw_prm *prm);
 
-/* Indirect irradiance of every texel: sums the transport of the clusters. Values are finite and ≥ 0. For local bases, light that is
- * reflected more than once travels between the groups first; that is part of this call.
+/* Indirect irradiance of every texel: sums the transport of the clusters. Values are finite and ≥ 0.
  *
  * A cluster contributes luminance(irradiance * sum of its pane over the texels); equal ones are ranked by index.
  *
