@@ -34,7 +34,7 @@ class Uploader {
     api_.clearErrors();
     uploadEntries();
     if (out_.panes) uploadPanes();
-    else uploadGroups(), uploadLocalBases();
+    else uploadLocalBases();
     uploadTexels();
     makeTargets();
     if (!result_)
