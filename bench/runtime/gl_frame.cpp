@@ -137,7 +137,7 @@ double bytesPerTexel(const format::Reader& reader, const lw_prm_info& info, uint
 double sharedBytesPerTexel(const format::Reader& reader, const lw_prm_info& info) {
   double bytes = 0;
   if (info.layout == LW_PRM_LOCAL_BASES)
-    for (const char* chunk : {"group_transport", "link_cluster", "coefficient"}) bytes += double(reader.chunk("prm", chunk).raw_bytes);
+    for (const char* chunk : {"link_cluster", "coefficient"}) bytes += double(reader.chunk("prm", chunk).raw_bytes);
   return bytes / double(info.texels);
 }
 

@@ -21,7 +21,7 @@ std::string parametersOf(const BakeContext& context, const transport::PrmSetting
   add(int(s.layout)), add(int(s.estimator));
   add(s.entries.clusters), add(s.entries.groups), add(s.entries.points_per_cluster), add(s.entries.points_per_group);
   add(s.bases.block_texels), add(s.bases.most_rank), add(s.bases.rank_error), add(s.bases.link_error), add(s.bases.rays);
-  add(s.group_rays), add(s.training_lights), add(s.emitter_samples), add(s.walks_per_entry), add(s.seed);
+  add(s.cluster_rays), add(s.bases.prune_error), add(s.entries.split_by_visibility), add(s.training_lights), add(s.emitter_samples), add(s.walks_per_entry), add(s.seed);
   return text;
 }
 
@@ -52,21 +52,22 @@ transport::PrmSettings prmSettings(const plan::Settings& settings) {
   switch (settings.quality) {
     case plan::Quality::draft:
       prm.entries.clusters = 2048, prm.entries.groups = 384;
-      prm.group_rays = 256, prm.bases.rays = 128, prm.training_lights = 96, prm.emitter_samples = 16;
+      prm.cluster_rays = 64, prm.bases.rays = 128, prm.training_lights = 96, prm.emitter_samples = 16;
       prm.bases.rank_error = 0.04f, prm.bases.link_error = 0.02f;
       break;
     case plan::Quality::preview:
       prm.entries.clusters = 4096, prm.entries.groups = 768;
-      prm.group_rays = 512, prm.bases.rays = 256, prm.training_lights = 160, prm.emitter_samples = 32;
+      prm.cluster_rays = 128, prm.bases.rays = 256, prm.training_lights = 160, prm.emitter_samples = 32;
       break;
     case plan::Quality::production: break;  // the estimator's defaults
   }
   const float factor = std::exp2(float(settings.refinement));
   prm.bases.rank_error /= factor;
   prm.bases.link_error /= factor;
+  prm.bases.prune_error /= factor;
   if (settings.refinement > 0) {
     const uint32_t more = 1u << settings.refinement;
-    prm.group_rays *= more, prm.bases.rays *= more;
+    prm.cluster_rays *= more, prm.bases.rays *= more;
     prm.entries.clusters *= more, prm.training_lights *= more;
     prm.bases.most_rank = std::min(64u, prm.bases.most_rank * more);
     prm.walks_per_entry *= more;
@@ -95,7 +96,7 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
   };
   PrmTasks tasks{baker, {}, {}, 0};
   const double entries = settings.entries.clusters * double(settings.entries.points_per_cluster);
-  const auto bounces = addRange("bounces", baker->groupCount(), kGroupsPerTask, settings.group_rays, {},
+  const auto bounces = addRange("bounces", baker->groupCount(), kGroupsPerTask, settings.cluster_rays, {},
                                 [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->oneBounce(first, end); });
   const auto training = addRange("training", baker->trainingLightCount(), kLightsPerTask, entries, {},
                                  [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->trainingDirect(first, end); });

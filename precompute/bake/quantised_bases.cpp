@@ -53,22 +53,6 @@ double relativeChange(const std::vector<Rgb>& changed, const std::vector<Rgb>& m
   return light2 > 0 ? std::sqrt(difference2 / light2) : 0.0;
 }
 
-/// Rows [to group] of [from group][3]; `restored` receives the values that a reader will see.
-template <class Integer>
-std::vector<Integer> quantiseTransport(const transport::PrmLocalBases& bases, std::vector<float>& scale, std::vector<float>& restored) {
-  const size_t groups = bases.group_count;
-  std::vector<Integer> integers(bases.group_transport.size());
-  restored.resize(integers.size());
-  scale.clear();
-  for (size_t to = 0; to < groups; ++to)
-    for (size_t channel = 0; channel < 3; ++channel) {
-      const size_t first = to * groups * 3 + channel;
-      scale.push_back(quantiseKeepingSum(&bases.group_transport[first], groups, 3, &integers[first]));
-      for (size_t from = 0; from < groups; ++from) restored[first + 3 * from] = float(integers[first + 3 * from]) * scale.back();
-    }
-  return integers;
-}
-
 /// Columns (rank, channel) of each block, down its links.
 template <class Integer>
 std::vector<Integer> quantiseCoefficients(const transport::PrmLocalBases& bases, int most, std::vector<float>& scale,
@@ -101,13 +85,6 @@ QuantisedBases quantiseBases(const transport::PrmResult& prm) {
   const std::vector<Rgb> maps = lightMaps(prm, probes);
   QuantisedBases result;
   transport::PrmResult changed = prm;
-
-  result.group_transport_u8 = quantiseTransport<uint8_t>(prm.bases, result.group_transport_scale, changed.bases.group_transport);
-  if (relativeChange(lightMaps(changed, probes), maps) > kMostTransportChange) {
-    result.group_transport_u8.clear();
-    result.group_transport_u16 = quantiseTransport<uint16_t>(prm.bases, result.group_transport_scale, changed.bases.group_transport);
-  }
-  changed.bases.group_transport = prm.bases.group_transport;
   result.coefficient_i8 = quantiseCoefficients<int8_t>(prm.bases, INT8_MAX, result.coefficient_scale, changed.bases.coefficient);
   if (const double change = relativeChange(lightMaps(changed, probes), maps); change > kMostCoefficientChange) {
     result.coefficient_i8.clear();

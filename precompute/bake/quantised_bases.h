@@ -9,18 +9,15 @@ namespace lightwell::bake {
 
 /// Integers and the scale of each row or column; of the integers one is filled. Layouts: docs/format.md, section prm.
 struct QuantisedBases {
-  std::vector<float> group_transport_scale, coefficient_scale;
-  std::vector<uint8_t> group_transport_u8;
-  std::vector<uint16_t> group_transport_u16;
+  std::vector<float> coefficient_scale;
   std::vector<int8_t> coefficient_i8;
   std::vector<int16_t> coefficient_i16;
 };
 
 /// Eight bits where that changes light maps little, else sixteen: measured by evaluating the map under a few unshadowed point lights above
-/// its entry points, as the rms of the change over the rms of the light. Eight bits may change it by kMostTransportChange for the group
-/// transport, by kMostCoefficientChange for coefficients. Sixteen bits of coefficients are not all used: the step is that which changes
-/// the light maps by about kWideCoefficientChange, since finer steps are noise that does not compress.
+/// its entry points, as the rms of the change over the rms of the light. Eight bits may change it by kMostCoefficientChange. Sixteen bits are not
+/// all used: the step is that which changes the light maps by about kWideCoefficientChange, since finer steps are noise that does not compress.
 QuantisedBases quantiseBases(const transport::PrmResult& prm);
-inline constexpr double kMostTransportChange = 0.001, kMostCoefficientChange = 0.003, kWideCoefficientChange = 0.001;
+inline constexpr double kMostCoefficientChange = 0.003, kWideCoefficientChange = 0.001;
 
 }  // namespace lightwell::bake

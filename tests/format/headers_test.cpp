@@ -49,7 +49,6 @@ TEST(Headers, AtlasAndPrm) {
   EXPECT_EQ(prm.layout, PrmLayout::local_bases);
   EXPECT_EQ(prm.entries, 4u);
   EXPECT_EQ(prm.clusters, 3u);
-  EXPECT_EQ(prm.groups, 2u);
   EXPECT_EQ(prm.texels, 3u);
   EXPECT_EQ(prm.blocks, 2u);
   EXPECT_EQ(prm.max_rank, 2u);

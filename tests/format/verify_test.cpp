@@ -29,12 +29,6 @@ std::string listed(const std::vector<Issue>& issues) {
   return text;
 }
 
-/// The chunks about groups would have the wrong shape too: without them, the header alone is wrong.
-void spoilGroups(Content& content, uint32_t groups) {
-  content.prm.set_groups(groups);
-  content.left_out = {"prm/cluster_group", "prm/group_transport_scale", "prm/group_transport"};
-}
-
 const std::vector<Breach>& breaches() {
   static const std::vector<Breach> all = {
       {"MetaErrorNan", IssueId::header_value, "meta/header", [](Content& c) { c.meta.mutable_errors(0)->set_relrmse(NAN); }},
@@ -96,6 +90,8 @@ const std::vector<Breach>& breaches() {
       {"PaneNegative", IssueId::not_finite, "prm/pane", [](Content& c) { c.pane_half.assign(18, 0xbc00); }},
       {"Brightest", IssueId::header_value, "prm/header", [](Content& c) { c.prm.set_brightest(3); }},
       {"EmitterMissing", IssueId::chunk_missing, "prm/emitter_direct", [](Content& c) { c.left_out = {"prm/emitter_direct"}; }},
+      {"SkyMissing", IssueId::chunk_missing, "prm/sky_direct", [](Content& c) { (c = skyPanesContent()).sky_direct.clear(); }},
+      {"SkyScale", IssueId::header_value, "prm/header", [](Content& c) { (c = skyPanesContent()).prm.set_sky_scale(3); }},
       {"BlockOrder", IssueId::order, "prm/block_first_texel", [](Content& c) { c.block_first_texel[1] = 0; }, true},
       {"BlockRank", IssueId::value_range, "prm/block_rank", [](Content& c) { c.block_rank[0] = 3; }, true},
       {"BasisCount", IssueId::chunk_shape, "prm/basis", [](Content& c) { c.basis.pop_back(); }, true},
@@ -106,19 +102,6 @@ const std::vector<Breach>& breaches() {
       {"ScaleNan", IssueId::not_finite, "prm/coefficient_scale", [](Content& c) { c.coefficient_scale[0] = NAN; }, true},
       {"ScaleCount", IssueId::chunk_shape, "prm/coefficient_scale", [](Content& c) { c.coefficient_scale.pop_back(); }, true},
       {"CoefficientCount", IssueId::chunk_shape, "prm/coefficient", [](Content& c) { c.coefficient.push_back(0); }, true},
-      {"GroupsNone", IssueId::header_value, "prm/header", [](Content& c) { spoilGroups(c, 0); }, true},
-      {"GroupsMore", IssueId::header_value, "prm/header", [](Content& c) { spoilGroups(c, 4); }, true},
-      {"PanesGroups", IssueId::header_value, "prm/header", [](Content& c) { c.prm.set_groups(1); }},
-      {"GroupRange", IssueId::index_range, "prm/cluster_group", [](Content& c) { c.cluster_group[0] = 2; }, true},
-      {"GroupOfGroup", IssueId::order, "prm/cluster_group", [](Content& c) { c.cluster_group[2] = 0; }, true},
-      {"GroupMissing", IssueId::chunk_missing, "prm/cluster_group", [](Content& c) { c.left_out = {"prm/cluster_group"}; }, true},
-      {"GroupScaleNan", IssueId::not_finite, "prm/group_transport_scale", [](Content& c) { c.group_transport_scale[1] = NAN; }, true},
-      {"GroupScaleNegative", IssueId::not_finite, "prm/group_transport_scale",
-       [](Content& c) { c.group_transport_scale[5] = -1; }, true},
-      {"GroupScaleCount", IssueId::chunk_shape, "prm/group_transport_scale",
-       [](Content& c) { c.group_transport_scale.resize(3); }, true},
-      {"GroupTransportMissing", IssueId::chunk_missing, "prm/group_transport",
-       [](Content& c) { c.left_out = {"prm/group_transport"}; }, true},
       {"BasesBrightest", IssueId::header_value, "prm/header", [](Content& c) { c.prm.set_brightest(1); }, true},
   };
   return all;

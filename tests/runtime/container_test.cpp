@@ -253,7 +253,6 @@ TEST(Container, FindsEveryDamagedByte) {
   SyntheticOptions options;
   options.width = options.height = 6;
   options.clusters = 4;
-  options.groups = 2;
   for (const Layout layout : {Layout::panes_rgb9e5, Layout::bases_i8}) {
     options.layout = layout;
     options.blocks = 3;
@@ -299,8 +298,6 @@ TEST(Container, FindsValuesThatCannotBe) {
       {Layout::bases_i8, "block_first_texel", [](auto& v) { std::swap(v[3], v[4]); }},
       {Layout::bases_i8, "block_first_link", [](auto& v) { v[3] = 0x7fffffff; }},
       {Layout::bases_i8, "block_first_link", [](auto& v) { v[0] = 1; }},
-      {Layout::bases_i8, "cluster_group", [](auto& v) { v[0] = 9; }},
-      {Layout::bases_i16, "cluster_group", [](auto& v) { v.back() = 0; }},
       {Layout::bases_i8, "link_cluster", [](auto& v) { v.back() = 40; }},
       {Layout::bases_i8, "link_cluster", [](auto& v) { v[1] = v[0]; }},
   };
@@ -320,7 +317,7 @@ TEST(Container, FindsValuesThatCannotBe) {
     EXPECT_EQ(lw_prm_load(container.get(), &prm), LW_BAD_SECTION) << i;
     EXPECT_THAT(host.message, testing::HasSubstr(cases[i].chunk)) << i;
   }
-  for (const char* chunk : {"entry_position", "entry_weight", "coefficient_scale", "group_transport_scale"}) {
+  for (const char* chunk : {"entry_position", "entry_weight", "coefficient_scale"}) {
     SyntheticOptions options;
     options.layout = Layout::bases_i16;
     options.edit_f32 = [&](std::string_view name, std::vector<float>& values) {

@@ -103,34 +103,6 @@ void addPanes(Random& random, SyntheticPrm& prm, format::Writer& writer) {
   else writer.add("prm", "pane", half, {clusters, texels, 3}, ElementType::f16);
 }
 
-/// Writes the group transport and adds what it carries to prm.transport. One group receives nothing.
-void addGroups(Random& random, SyntheticPrm& prm, format::Writer& writer) {
-  const uint32_t groups = prm.options.groups, clusters = prm.options.clusters, first_group = clusters - groups;
-  const size_t row = prm.texel.size() * 3;
-  const bool narrow = prm.options.layout == Layout::bases_i8;
-  std::vector<uint32_t> cluster_group;
-  for (uint32_t c = 0; c < clusters; ++c) cluster_group.push_back(c < first_group ? random.below(groups) : c - first_group);
-  std::vector<uint8_t> transport8;
-  std::vector<uint16_t> transport16;
-  std::vector<float> scale;
-  for (uint32_t i = 0; i < groups * 3; ++i) scale.push_back(i < 3 ? 0.0f : float(random.uniform() / groups / (narrow ? 255 : 65535)));
-  const std::vector<double> direct = prm.transport;
-  for (uint32_t to = 0; to < groups; ++to)
-    for (uint32_t from = 0; from < groups; ++from)
-      for (uint32_t channel = 0; channel < 3; ++channel) {
-        const uint32_t value = random.below(narrow ? 256 : 65536);
-        if (narrow) transport8.push_back(uint8_t(value));
-        else transport16.push_back(uint16_t(value));
-        for (uint32_t c = 0; c < clusters; ++c)
-          for (size_t i = channel; cluster_group[c] == to && i < row; i += 3)
-            prm.transport[(first_group + from) * row + i] += direct[c * row + i] * value * double(scale[to * 3 + channel]);
-      }
-  add(prm, writer, "cluster_group", cluster_group);
-  add(prm, writer, "group_transport_scale", scale, {groups, 3});
-  if (narrow) writer.add("prm", "group_transport", transport8, {groups, groups, 3});
-  else writer.add("prm", "group_transport", transport16, {groups, groups, 3});
-}
-
 /// Blocks differ in size, rank (zero and one among them) and links; some links are missing altogether.
 void addLocalBases(Random& random, SyntheticPrm& prm, format::Writer& writer) {
   const uint32_t blocks = prm.options.blocks, texels = uint32_t(prm.texel.size()), clusters = prm.options.clusters;
@@ -164,7 +136,6 @@ void addLocalBases(Random& random, SyntheticPrm& prm, format::Writer& writer) {
     }
     first_link.push_back(uint32_t(link.size()));
   }
-  addGroups(random, prm, writer);
   add(prm, writer, "block_first_texel", first_texel);
   writer.add("prm", "block_rank", rank);
   writer.add("prm", "basis", basis);
@@ -209,7 +180,6 @@ SyntheticPrm makeSyntheticPrm(const SyntheticOptions& options) {
   else {
     header.set_blocks(options.blocks);
     header.set_max_rank(options.max_rank);
-    header.set_groups(options.groups);
   }
   writer.addMessage("prm", "header", header);
   add(prm, writer, "entry_position", prm.entry_position, {prm.entries(), 3});

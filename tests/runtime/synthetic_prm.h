@@ -11,13 +11,13 @@
 
 namespace lightwell::test {
 
-enum class Layout { panes_rgb9e5, panes_half, bases_i8, bases_i16 };  // group transport: U8 with bases_i8, else U16
+enum class Layout { panes_rgb9e5, panes_half, bases_i8, bases_i16 };
 
 struct SyntheticOptions {
   Layout layout = Layout::panes_rgb9e5;
   uint32_t width = 24, height = 20;
   uint32_t clusters = 40;
-  uint32_t blocks = 7, max_rank = 6, groups = 9;
+  uint32_t blocks = 7, max_rank = 6;
   bool emitters = true;
   uint32_t seed = 1;
   /// Called with each chunk's name and values before they are written, to damage them. Checksums stay right.
@@ -32,7 +32,7 @@ struct SyntheticPrm {
   std::vector<uint32_t> source, texel;
   std::vector<float> entry_position, entry_normal, entry_weight;
   std::vector<uint32_t> cluster_first_entry;
-  std::vector<double> transport;  // [cluster][texel][3]; through the groups too
+  std::vector<double> transport;  // [cluster][texel][3]
   std::vector<double> emitter_direct, emitter_indirect;  // [texel][3]
 
   uint32_t entries() const { return uint32_t(entry_weight.size()); }

@@ -37,7 +37,7 @@ PrmSettings smallSettings(PrmLayoutKind layout) {
   settings.bases.rays = 128;
   settings.bases.block_texels = 64;
   settings.training_lights = 48;
-  settings.group_rays = 256;
+  settings.cluster_rays = 128;
   return settings;
 }
 

@@ -24,9 +24,25 @@ Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> readMatrix
   return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(values.data(), rows, columns);
 }
 
+void writeRows(ByteWriter& writer, const GroupRows& rows) {
+  writer.array(rows.first);
+  writer.array(rows.group);
+  writer.array(rows.transfer_rgb);
+}
+
+GroupRows readRows(ByteReader& reader) {
+  GroupRows rows;
+  rows.first = reader.array<uint32_t>();
+  rows.group = reader.array<uint32_t>();
+  rows.transfer_rgb = reader.array<Rgb>();
+  if (rows.first.empty() || rows.first.back() != rows.group.size() || rows.group.size() != rows.transfer_rgb.size())
+    throw std::runtime_error("a task result is damaged");
+  return rows;
+}
+
 /// What `solve` hands to `fit`.
 struct Solved {
-  ChannelMatrices multi_bounce;
+  MultiBounce multi_bounce;
   TrainingLights training;
   EmitterLight emitters;
 };
@@ -88,13 +104,16 @@ struct PrmBaker::Impl {
     Solved solved;
     ByteReader reader(bytes);
     const Eigen::Index groups = clusters.group_count, lights = Eigen::Index(training_lights.size());
-    for (auto& matrix : solved.multi_bounce) matrix = readMatrix(reader, groups, groups);
+    solved.multi_bounce.rows = readRows(reader);
+    for (auto& matrix : solved.multi_bounce.solution) matrix = readMatrix(reader, groups, groups);
     solved.training.count = uint32_t(lights);
     solved.training.direct = readMatrix(reader, clusters.cluster_count + groups, lights);
-    for (auto& matrix : solved.training.group_indirect) matrix = readMatrix(reader, groups, lights);
+    for (auto& matrix : solved.training.cluster_indirect) matrix = readMatrix(reader, clusters.cluster_count, lights);
     solved.training.weight = reader.array<float>();
+    solved.training.stand_ins.group = reader.array<uint32_t>();
+    solved.training.stand_ins.gain = reader.array<float>();
     solved.emitters.direct_rgb = reader.array<Rgb>();
-    solved.emitters.group_indirect_rgb = reader.array<Rgb>();
+    solved.emitters.cluster_indirect_rgb = reader.array<Rgb>();
     return solved;
   }
 };
@@ -111,16 +130,11 @@ bool PrmBaker::hasEmitters() const { return impl_->has_emitters; }
 
 Bytes PrmBaker::oneBounce(uint32_t first, uint32_t end) const {
   const auto& clusters = impl_->clusters;
-  ChannelMatrices rows;
-  for (auto& matrix : rows) matrix.setZero(end - first, clusters.group_count);
-  for (uint32_t group = first; group < end; ++group) {
-    const uint32_t begin = clusters.cluster_first_side[clusters.group_first_cluster[group]];
-    const uint32_t last = clusters.cluster_first_side[clusters.group_first_cluster[group + 1]];
-    const auto members = std::span<const uint32_t>(clusters.cluster_side).subspan(begin, last - begin);
-    addGroupRow(clusters, impl_->gatherer.mean(members, impl_->settings.group_rays, group), group - first, rows);
-  }
+  GroupRows rows;
+  for (uint32_t c = clusters.group_first_cluster[first]; c < clusters.group_first_cluster[end]; ++c)
+    rows.append(clusters, impl_->gatherer.mean(clusters.sidesOf(c), impl_->settings.cluster_rays, c));
   ByteWriter writer;
-  for (const auto& matrix : rows) writeMatrix(writer, matrix);
+  writeRows(writer, rows);
   return writer.take();
 }
 
@@ -155,21 +169,13 @@ Bytes PrmBaker::emitterDirect(uint32_t first, uint32_t end) const {
 
 Bytes PrmBaker::solve(std::span<const ByteView> one_bounce, std::span<const ByteView> training, std::span<const ByteView> emitter) const {
   const auto& clusters = impl_->clusters;
-  ChannelMatrices rows;
-  for (auto& matrix : rows) matrix.resize(clusters.group_count, clusters.group_count);
-  Eigen::Index at = 0;
+  GroupRows rows;
   for (const auto& part : one_bounce) {
     ByteReader reader(part);
-    Eigen::Index count = 0;
-    for (auto& matrix : rows) {
-      const auto values = reader.array<float>();
-      count = Eigen::Index(values.size()) / std::max<Eigen::Index>(1, clusters.group_count);
-      if (at + count > matrix.rows()) throw std::runtime_error("a task result is damaged");
-      matrix.middleRows(at, count) = Eigen::Map<const ChannelMatrices::value_type>(values.data(), count, clusters.group_count);
-    }
-    at += count;
+    rows.append(readRows(reader));
   }
-  const ChannelMatrices multi_bounce = solveMultiBounce(rows);
+  if (rows.first.size() != size_t(clusters.cluster_count) + 1) throw std::runtime_error("a task result is damaged");
+  const MultiBounce multi_bounce = solveMultiBounce(clusters, std::move(rows));
   std::vector<std::vector<float>> direct;
   for (const auto& part : training)
     for (ByteReader reader(part); !reader.empty();) direct.push_back(reader.array<float>());
@@ -178,19 +184,24 @@ Bytes PrmBaker::solve(std::span<const ByteView> one_bounce, std::span<const Byte
   EmitterLight emitters;
   if (impl_->has_emitters) {
     emitters.direct_rgb = impl_->emitterOnClusters(emitter);
-    emitters.group_indirect_rgb.assign(clusters.group_count, Rgb(0.0f));
-    for (uint32_t to = 0; to < clusters.group_count; ++to)
-      for (uint32_t from = 0; from < clusters.group_count; ++from)
-        for (int channel = 0; channel < 3; ++channel)
-          emitters.group_indirect_rgb[to][channel] += multi_bounce[channel](to, from) * emitters.direct_rgb[clusters.cluster_count + from][channel];
+    emitters.cluster_indirect_rgb.assign(clusters.cluster_count, Rgb(0.0f));
+    for (int channel = 0; channel < 3; ++channel) {
+      Eigen::MatrixXf group_direct(clusters.group_count, 1);
+      for (uint32_t g = 0; g < clusters.group_count; ++g) group_direct(g, 0) = emitters.direct_rgb[clusters.cluster_count + g][channel];
+      const Eigen::MatrixXf received = multi_bounce.received(channel, group_direct);
+      for (uint32_t c = 0; c < clusters.cluster_count; ++c) emitters.cluster_indirect_rgb[c][channel] = received(c, 0);
+    }
   }
   ByteWriter writer;
-  for (const auto& matrix : multi_bounce) writeMatrix(writer, matrix);
+  writeRows(writer, multi_bounce.rows);
+  for (const auto& matrix : multi_bounce.solution) writeMatrix(writer, matrix);
   writeMatrix(writer, lights.direct);
-  for (const auto& matrix : lights.group_indirect) writeMatrix(writer, matrix);
+  for (const auto& matrix : lights.cluster_indirect) writeMatrix(writer, matrix);
   writer.array(lights.weight);
+  writer.array(lights.stand_ins.group);
+  writer.array(lights.stand_ins.gain);
   writer.array(emitters.direct_rgb);
-  writer.array(emitters.group_indirect_rgb);
+  writer.array(emitters.cluster_indirect_rgb);
   return writer.take();
 }
 
@@ -207,7 +218,7 @@ Bytes PrmBaker::fit(uint32_t first, uint32_t end, ByteView solved_bytes) const {
     if (impl.settings.layout == PrmLayoutKind::local_bases) {
       std::vector<float> area;
       for (const uint32_t slot : slots) area.push_back(impl.atlas.slots[slot].area);
-      block = fitBlock(slots, impl.gatherer, impl.clusters, solved.training, solved.emitters, area, impl.settings.bases);
+      block = fitBlock(slots, impl.gatherer, impl.clusters, solved.multi_bounce, solved.training, solved.emitters, area, impl.settings.bases);
     } else {
       const auto panes = impl.settings.estimator == PaneEstimator::walks
                              ? walkPanes(slots, impl.atlas, impl.tracer, impl.clusters, walks)
@@ -244,15 +255,6 @@ PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const B
   if (local_bases) {
     bases.block_first_texel.push_back(0);
     bases.block_first_link.push_back(0);
-    const uint32_t groups = bases.group_count = impl.clusters.group_count;
-    bases.cluster_group = impl.clusters.group_of_cluster;
-    for (uint32_t group = 0; group < groups; ++group) bases.cluster_group.push_back(group);
-    const Solved solved = impl.readSolved(solved_bytes);
-    bases.group_transport.resize(3 * size_t(groups) * groups);
-    for (uint32_t to = 0; to < groups; ++to)
-      for (uint32_t from = 0; from < groups; ++from)
-        for (int channel = 0; channel < 3; ++channel)
-          bases.group_transport[3 * (size_t(to) * groups + from) + channel] = std::max(0.0f, solved.multi_bounce[channel](to, from));
   }
   for (const auto& part : blocks)
     for (ByteReader reader(part); !reader.empty();) {

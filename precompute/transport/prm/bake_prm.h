@@ -22,7 +22,7 @@ struct PrmSettings {
   PaneEstimator estimator = PaneEstimator::gather;  // panes only
   EntryOptions entries;
   LocalBasesOptions bases;
-  uint32_t group_rays = 1024;       // per group, one-bounce matrix
+  uint32_t cluster_rays = 256;      // per fine cluster, for all bounces but the last
   uint32_t training_lights = 192;   // local bases only
   uint32_t emitter_samples = 64;    // per texel
   uint32_t walks_per_entry = 1;     // panes by walks
@@ -41,7 +41,7 @@ class PrmBaker {
   uint32_t blockCount() const;
   bool hasEmitters() const;
 
-  /// Rows of the one-bounce matrix of groups [first, end).
+  /// What the fine clusters of groups [first, end) receive from groups.
   Bytes oneBounce(uint32_t first, uint32_t end) const;
   /// Direct irradiance on clusters and groups under training lights [first, end).
   Bytes trainingDirect(uint32_t first, uint32_t end) const;

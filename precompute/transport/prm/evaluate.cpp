@@ -34,24 +34,16 @@ std::vector<Rgb> evaluatePanes(const PrmResult& prm, std::span<const Rgb> cluste
 
 std::vector<Rgb> evaluateLocalBases(const PrmResult& prm, std::span<const Rgb> cluster_irradiance_rgb) {
   const auto& bases = prm.bases;
-  const size_t groups = bases.group_count, first_group = cluster_irradiance_rgb.size() - groups;
-  std::vector<Rgb> group_indirect_rgb(groups, Rgb(0.0f));
-  for (size_t to = 0; to < groups; ++to)
-    for (size_t from = 0; from < groups; ++from) {
-      const float* transport = &bases.group_transport[3 * (to * groups + from)];
-      group_indirect_rgb[to] += Rgb(transport[0], transport[1], transport[2]) * cluster_irradiance_rgb[first_group + from];
-    }
   std::vector<Rgb> result(prm.texel.size(), Rgb(0.0f));
   size_t basis = 0, coefficient = 0;
   for (size_t block = 0; block < bases.block_rank.size(); ++block) {
     const size_t rank = bases.block_rank[block];
     std::vector<Rgb> weight(rank, Rgb(0.0f));
     for (uint32_t link = bases.block_first_link[block]; link < bases.block_first_link[block + 1]; ++link) {
-      const uint32_t cluster = bases.link_cluster[link];
-      const Rgb total_rgb = cluster_irradiance_rgb[cluster] + group_indirect_rgb[bases.cluster_group[cluster]];
+      const Rgb& irradiance_rgb = cluster_irradiance_rgb[bases.link_cluster[link]];
       for (size_t k = 0; k < rank; ++k, coefficient += 3) {
         const float* c = &bases.coefficient[coefficient];
-        weight[k] += Rgb(c[0], c[1], c[2]) * total_rgb;
+        weight[k] += Rgb(c[0], c[1], c[2]) * irradiance_rgb;
       }
     }
     for (uint32_t t = bases.block_first_texel[block]; t < bases.block_first_texel[block + 1]; ++t)

@@ -15,24 +15,33 @@ struct LocalBasesOptions {
   uint32_t most_rank = 16;         // 1 … 64
   float rank_error = 0.015f;       // a block's rank is the least that leaves this relative residual under the training lights
   float link_error = 0.03f;        // clusters merge into groups up to this relative error under the training lights
+  float prune_error = 0.05f;       // groups whose light hardly arrives are left out up to this relative error; groups lit alike carry their light
   uint32_t rays = 1024;            // gathered per texel
 };
 
 /// Direct irradiance of the training lights, and what it becomes after all further bounces; computed once, read by every block.
+/// Groups that are lit much as another is: where the other is left out, one of these carries its light.
+struct StandIns {
+  static constexpr uint32_t kMost = 32;
+  std::vector<uint32_t> group;  // [group][kMost], the most alike first; kNone where there are fewer
+  std::vector<float> gain;      // [group][kMost]: the other's irradiance over the stand-in's, by least squares over the training lights
+};
+
 struct TrainingLights {
   uint32_t count = 0;
   // [cluster][light]: direct irradiance on fine clusters and groups (PrmEntries order); grey lights, so one channel.
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> direct;
-  ChannelMatrices group_indirect;  // [group][light]: indirect irradiance on groups
+  ChannelMatrices cluster_indirect;  // [fine cluster][light]: indirect irradiance on fine clusters
   std::vector<float> weight;       // per light: one over its mean indirect irradiance over the groups' area; 0 for sealed pockets
+  StandIns stand_ins;
 };
 
-TrainingLights makeTrainingLights(const EntryClusters& clusters, const ChannelMatrices& multi_bounce,
+TrainingLights makeTrainingLights(const EntryClusters& clusters, const MultiBounce& multi_bounce,
                                   std::vector<std::vector<float>> direct_irradiance);
 
-/// What the scene's own emitters give: direct irradiance on clusters and groups (PrmEntries order) and, after further bounces, on groups.
+/// What the scene's own emitters give: direct irradiance on clusters and groups (PrmEntries order) and, after further bounces, on fine clusters.
 struct EmitterLight {
-  std::vector<Rgb> direct_rgb, group_indirect_rgb;  // both empty without emitters
+  std::vector<Rgb> direct_rgb, cluster_indirect_rgb;  // both empty without emitters
 };
 
 /// One block's share of PrmLocalBases.
@@ -46,7 +55,7 @@ struct BasisBlock {
 };
 
 /// Traces the block's texels and fits its basis. `slot_area` are their areas. Depends on nothing but its arguments.
-BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters,
+BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const MultiBounce& multi_bounce,
                     const TrainingLights& training, const EmitterLight& emitters, std::span<const float> slot_area, const LocalBasesOptions& options);
 
 }  // namespace lightwell::transport

@@ -11,13 +11,14 @@ constexpr uint32_t kMostBounces = 4096;  // Russian roulette ends walks long bef
 
 }  // namespace
 
-std::vector<Rgb> gatherPanes(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const ChannelMatrices& multi_bounce,
+std::vector<Rgb> gatherPanes(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const MultiBounce& multi_bounce,
                              uint32_t rays) {
-  const BlockTransport transport = gatherBlock(slots, gatherer, clusters, rays);
+  const BlockTransport transport = gatherBlock(slots, gatherer, rays);
   std::vector<Rgb> panes(slots.size() * clusters.group_count, Rgb(0.0f));
   for (int channel = 0; channel < 3; ++channel) {
-    Eigen::MatrixXf pane = transport.from_group[channel] * groupRows(transport.group, multi_bounce[channel]);
-    for (size_t g = 0; g < transport.group.size(); ++g) pane.col(transport.group[g]) += transport.from_group[channel].col(g);
+    Eigen::MatrixXf pane = multi_bounce.groupResponse(channel, transport.cluster, transport.from_cluster[channel]);
+    for (size_t l = 0; l < transport.cluster.size(); ++l)
+      pane.col(clusters.group_of_cluster[transport.cluster[l]]) += transport.from_cluster[channel].col(Eigen::Index(l));
     for (size_t t = 0; t < slots.size(); ++t)
       for (uint32_t group = 0; group < clusters.group_count; ++group) panes[t * clusters.group_count + group][channel] = std::max(0.0f, pane(t, group));
   }

@@ -4,9 +4,9 @@
 
 namespace lightwell::transport {
 
-/// Panes of the texels `slots` by gathering: transport to clusters, further bounces solved at the scale of groups. The panes are over groups:
+/// Panes of the texels `slots` by gathering: transport to clusters, further bounces gathered at them. The panes are over groups:
 /// [texel][group] per channel, row-major.
-std::vector<Rgb> gatherPanes(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const ChannelMatrices& multi_bounce,
+std::vector<Rgb> gatherPanes(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const MultiBounce& multi_bounce,
                              uint32_t rays);
 
 /// A diffuse virtual light of a walk that started at an entry point of unit irradiance.

@@ -26,14 +26,10 @@ struct PrmPanes {
   std::vector<Rgb> irradiance_rgb;  // [cluster][texel], for unit irradiance at the cluster
 };
 
-/// Blocks of texels with their own basis maps. The last `group_count` clusters are groups: coarse clusters that together cover what the others cover.
-/// Light that was reflected once more is smooth, so all further bounces are solved between groups:
-///   total(c)  = irradiance(c) + Σ_h group_transport(cluster_group[c], h) · irradiance(clusters − group_count + h)      per channel
-///   irradiance(texel, channel) = Σ_k basis(texel, k) · Σ_l coefficient(l, k, channel) · total(link_cluster[l], channel)
+/// Blocks of texels with their own basis maps and links to the clusters that matter to them: fine ones for light that is reflected once, within sight, and
+/// groups of them (clusters of their own, after the fine ones) for what is far away or has been reflected several times.
+///   irradiance(texel, channel) = Σ_k basis(texel, k) · Σ_l coefficient(l, k, channel) · irradiance(link_cluster[l], channel)
 struct PrmLocalBases {
-  uint32_t group_count = 0;
-  std::vector<uint32_t> cluster_group;      // clusters, < group_count; a group's own is itself
-  std::vector<float> group_transport;       // [to group][from group][3], ≥ 0
   std::vector<uint32_t> block_first_texel;  // blocks + 1, into PrmResult::texel
   std::vector<uint8_t> block_rank;          // blocks
   std::vector<float> basis;                 // per block: [texel][rank]; multiples of 1/127 in [−1, 1]
