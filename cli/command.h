@@ -26,6 +26,11 @@ void addEvaluate(CLI::App& app, Session& session);
 void addReference(CLI::App& app, Session& session);
 void addCompare(CLI::App& app, Session& session);
 void addRender(CLI::App& app, Session& session);
+void addSubmit(CLI::App& app, Session& session);
+void addJobs(CLI::App& app, Session& session);
+void addWatch(CLI::App& app, Session& session);
+void addFetch(CLI::App& app, Session& session);
+void addCancel(CLI::App& app, Session& session);
 
 // ---- Options that several commands have
 

@@ -6,6 +6,7 @@
 #include "cli/exit_codes.h"
 #include "format/encode/reader.h"
 #include "precompute/bake/bake.h"
+#include "server/client/client.h"
 
 namespace lightwell::cli {
 namespace {
@@ -30,7 +31,8 @@ int run(int argc, char** argv) {
   app.footer(kFooter);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
-  for (const auto add : {addBake, addInfo, addVerify, addEvaluate, addEnvironmentQueries, addReference, addCompare, addRender}) add(app, session);
+  for (const auto add : {addBake, addInfo, addVerify, addEvaluate, addEnvironmentQueries, addReference, addCompare, addRender,
+                         addSubmit, addJobs, addWatch, addFetch, addCancel}) add(app, session);
   try {
     app.parse(argc, argv);
     return kDone;
@@ -51,6 +53,9 @@ int run(int argc, char** argv) {
   } catch (const format::ContainerError& error) {
     console.error(error.what());
     return kContainerBad;
+  } catch (const server::ServiceError& error) {
+    console.error(error.what());
+    return kServerFailed;
   } catch (const std::bad_alloc&) {
     console.error("out of memory");
     return kBug;

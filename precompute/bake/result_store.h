@@ -36,7 +36,8 @@ class MemoryStore : public ResultStore {
 };
 
 /// A folder of files named by key, shared by any number of processes: each file appears whole, by rename, and carries a checksum; one
-/// that does not match is ignored and rewritten. Deleting files or the whole folder at any time is safe.
+/// that does not match is ignored and rewritten. A file's time of writing is that of its last use. Deleting files or the whole folder
+/// at any time is safe.
 class DirectoryStore : public ResultStore {
  public:
   /// Creates the folder. Throws UsageError when it cannot be written. A failure to write a result later is a warning, reported
