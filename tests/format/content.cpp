@@ -97,21 +97,26 @@ Content panesContent() {
   return c;
 }
 
+Content skyPanesContent() {
+  Content c = panesContent();
+  c.prm.set_has_sky(true);
+  c.prm.set_sky_scale(8);
+  c.sky_direct = packAll(3, 2000);
+  c.sky_indirect = packAll(3, 500);
+  return c;
+}
+
 Content localBasesContent() {
   Content c = commonContent();
   c.prm.set_layout(v1::PRM_LAYOUT_LOCAL_BASES);
   c.prm.set_entries(4);
   c.prm.set_clusters(3);
-  c.prm.set_groups(2);
   c.prm.set_blocks(2);
   c.prm.set_max_rank(2);
   c.entry_position.insert(c.entry_position.end(), {0.25f, 0, 0.75f});
   c.entry_normal.insert(c.entry_normal.end(), {0, 32767});
   c.entry_weight.push_back(1);
   c.cluster_first_entry.push_back(4);
-  c.cluster_group = {1, 0, 1};
-  c.group_transport_scale = {0.5f, 0.25f, 0.125f, 0, 1, 2};
-  c.group_transport = {0, 1, 2, 3, 4, 5, 65535, 256, 8, 9, 10, 11};
   c.block_first_texel = {0, 2, 3};
   c.block_rank = {2, 1};
   c.basis = {127, -3, 90, 40, 127};
@@ -167,10 +172,6 @@ Writer toWriter(const Content& c) {
   array("prm", "cluster_first_entry", c.cluster_first_entry);
   array("prm", "texel", c.texel);
   if (c.prm.layout() == v1::PRM_LAYOUT_LOCAL_BASES) {
-    array("prm", "cluster_group", c.cluster_group);
-    array("prm", "group_transport_scale", c.group_transport_scale, {c.group_transport_scale.size() / 3, 3});
-    if (c.group_transport_narrow.empty()) array("prm", "group_transport", c.group_transport, {c.prm.groups(), c.prm.groups(), 3});
-    else array("prm", "group_transport", c.group_transport_narrow, {c.prm.groups(), c.prm.groups(), 3});
     array("prm", "block_first_texel", c.block_first_texel);
     array("prm", "block_rank", c.block_rank);
     array("prm", "basis", c.basis);
@@ -186,6 +187,8 @@ Writer toWriter(const Content& c) {
   }
   array("prm", "emitter_direct", c.emitter_direct, {}, ElementType::rgb9e5);
   array("prm", "emitter_indirect", c.emitter_indirect, {}, ElementType::rgb9e5);
+  if (!c.sky_direct.empty()) array("prm", "sky_direct", c.sky_direct, {}, ElementType::rgb9e5);
+  if (!c.sky_indirect.empty()) array("prm", "sky_indirect", c.sky_indirect, {}, ElementType::rgb9e5);
   return writer;
 }
 

@@ -11,7 +11,7 @@
 namespace lightwell::format {
 
 /// A 4 × 4 atlas (row 0 covered, row 1 gutter, the rest nothing) over two triangles, the second cut-out; three entries in two clusters,
-/// and for local bases four in three, the last two of which are groups.
+/// and for local bases four in three.
 struct Content {
   v1::MetaHeader meta;
   v1::SceneHeader scene;
@@ -37,16 +37,15 @@ struct Content {
   std::vector<uint8_t> block_rank;
   std::vector<int8_t> basis, coefficient;
   std::vector<int16_t> coefficient_wide;  // instead of `coefficient` when not empty
-  std::vector<float> coefficient_scale, group_transport_scale;
-  std::vector<uint32_t> cluster_group;
-  std::vector<uint16_t> group_transport;
-  std::vector<uint8_t> group_transport_narrow;  // instead of `group_transport` when not empty
+  std::vector<float> coefficient_scale;
   std::vector<uint32_t> emitter_direct, emitter_indirect;
+  std::vector<uint32_t> sky_direct, sky_indirect;  // not written when empty
 
   std::set<std::string> left_out;  // "section" or "section/chunk": not written
 };
 
 Content panesContent();
+Content skyPanesContent();
 Content localBasesContent();
 Writer toWriter(const Content& content);
 

@@ -5,6 +5,7 @@
 #include "format/decode/endian.h"
 #include "format/encode/compress.h"
 #include "tests/format/content.h"
+#include "tests/format/environment_content.h"
 #include "tests/format/forge.h"
 
 namespace lightwell::format {
@@ -67,7 +68,6 @@ std::vector<GoldenFile> validFiles() {
   halves.pane_half = {0, 0x3c00, 0x7bff, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
   Content wide = localBasesContent();
   wide.coefficient_wide = {32767, -32768, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
-  wide.group_transport_narrow = {0, 1, 2, 3, 4, 5, 255, 7, 8, 9, 10, 11};
   Content opaque = panesContent();
   opaque.triangle_flags = {0, 1};
   opaque.prm.set_has_emitter(false);
@@ -81,7 +81,9 @@ std::vector<GoldenFile> validFiles() {
           {"valid/panes_half.lwc", toWriter(halves).bytes()},
           {"valid/local_bases.lwc", toWriter(localBasesContent()).bytes()},
           {"valid/local_bases_wide.lwc", toWriter(wide).bytes()},
-          {"valid/opaque.lwc", toWriter(opaque).bytes()}};
+          {"valid/opaque.lwc", toWriter(opaque).bytes()},
+          {"valid/environment.lwc", toWriter(environmentContent()).bytes()},
+          {"valid/sky_panes.lwc", toWriter(skyPanesContent()).bytes()}};
 }
 
 std::vector<GoldenFile> invalidFiles() {
@@ -166,6 +168,9 @@ std::vector<GoldenFile> invalidFiles() {
   Content weights = panesContent();
   weights.entry_weight[0] = 0.5f;
   add("bad_section.weights", toWriter(weights).bytes());
+  EnvironmentContent flux = environmentContent();
+  flux.flux[3] *= 2;
+  add("bad_section.environment_flux", toWriter(flux).bytes());
   Content missing = panesContent();
   missing.left_out = {"atlas/source"};
   add("bad_section.chunk_missing", toWriter(missing).bytes());
