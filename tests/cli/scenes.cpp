@@ -46,26 +46,29 @@ std::string roomGltf(const RoomOptions& options) {
     std::vector<float> positions, uvs;
     std::vector<uint32_t> indices;
     for (uint32_t w = 0; w < 6; ++w) {
+      if (w == 1 && options.open) continue;
+      const auto first = uint32_t(positions.size() / 3);
       const auto& [corner, s, t] = walls[w];
       for (const auto& [a, b] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
         for (int i = 0; i < 3; ++i) positions.push_back(corner[i] + float(a) * s[i] + float(b) * t[i]);
         uvs.push_back((float(w % 3) + 0.125f + 0.75f * float(a)) / 3);
         uvs.push_back((float(w / 3) + 0.125f + 0.75f * float(b)) / 3);
       }
-      for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) indices.push_back(4 * w + i);
+      for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) indices.push_back(first + i);
     }
     std::vector<uint8_t> bytes;
     append(bytes, positions);
     append(bytes, uvs);
     append(bytes, indices);
     gltf["buffers"] = {{{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
-    gltf["bufferViews"] = {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 288}},
-                           {{"buffer", 0}, {"byteOffset", 288}, {"byteLength", 192}},
-                           {{"buffer", 0}, {"byteOffset", 480}, {"byteLength", 144}}};
+    const size_t corners = positions.size() / 3;
+    gltf["bufferViews"] = {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 12 * corners}},
+                           {{"buffer", 0}, {"byteOffset", 12 * corners}, {"byteLength", 8 * corners}},
+                           {{"buffer", 0}, {"byteOffset", 20 * corners}, {"byteLength", 4 * indices.size()}}};
     gltf["accessors"] = {
-        {{"bufferView", 0}, {"componentType", 5126}, {"count", 24}, {"type", "VEC3"}, {"min", {-1, -1, -1}}, {"max", {1, 1, 1}}},
-        {{"bufferView", 1}, {"componentType", 5126}, {"count", 24}, {"type", "VEC2"}},
-        {{"bufferView", 2}, {"componentType", 5125}, {"count", 36}, {"type", "SCALAR"}}};
+        {{"bufferView", 0}, {"componentType", 5126}, {"count", corners}, {"type", "VEC3"}, {"min", {-1, -1, -1}}, {"max", {1, 1, 1}}},
+        {{"bufferView", 1}, {"componentType", 5126}, {"count", corners}, {"type", "VEC2"}},
+        {{"bufferView", 2}, {"componentType", 5125}, {"count", indices.size()}, {"type", "SCALAR"}}};
     gltf["materials"] = {
         {{"name", "wall"},
          {"pbrMetallicRoughness", {{"baseColorFactor", {options.albedo, options.albedo, options.albedo, 1}}, {"metallicFactor", 0}}},

@@ -9,6 +9,7 @@ struct RoomOptions {
   double emission = 0;         // radiance of every wall
   double lamp_candela = 0;     // a point light in the middle; 0: none
   bool surfaces = true;
+  bool open = false;           // without its ceiling
 };
 
 /// A closed cube of 2 m around the origin, its fronts inward, with light-map coordinates (one chart per wall).
