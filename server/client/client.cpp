@@ -121,7 +121,9 @@ struct Client::Connection {
         const CallWatchdog watchdog(context, cancel);
         status = call(context, last_contact);
       }
-      if (status.error_code() != grpc::StatusCode::UNAVAILABLE) {
+      // A server that ends cuts calls off with one or the other.
+      const bool cut_off = status.error_code() == grpc::StatusCode::UNAVAILABLE || status.error_code() == grpc::StatusCode::CANCELLED;
+      if (!cut_off) {
         reached = true;
         if (status.ok()) return;
         fail(status);

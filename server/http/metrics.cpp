@@ -41,7 +41,7 @@ Metrics::Metrics(const std::string& version)
                           .Add({}, prometheus::Histogram::BucketBoundaries{.001, .002, .005, .01, .02, .05, .1, .2, .5, 1, 2, 5})),
       job_seconds_(BuildHistogram().Name("lightwelld_job_seconds").Help("Running time of attempts").Register(registry_)
                        .Add({}, prometheus::Histogram::BucketBoundaries{.1, .3, 1, 3, 10, 30, 100, 300, 1000, 3000, 10000})),
-      tasks_run_(BuildCounter().Name("lightwelld_tasks_total").Help("Tasks of ended attempts").Register(registry_).Add({{"how", "run"}})),
+      tasks_run_(BuildCounter().Name("lightwelld_tasks_run_total").Help("Tasks that ended attempts ran").Register(registry_).Add({})),
       tasks_reused_(BuildCounter().Name("lightwelld_tasks_reused_total").Help("Tasks whose result was in the store").Register(registry_).Add({})),
       rays_(BuildCounter().Name("lightwelld_rays_total").Help("Rays traced by ended attempts").Register(registry_).Add({})) {
   BuildGauge().Name("lightwelld_info").Help("Always 1").Register(registry_).Add({{"version", version}}).Set(1);
