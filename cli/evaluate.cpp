@@ -75,14 +75,11 @@ void run(Session& session, const Options& options) {
   const std::vector<float> atlas_rgba = options.evaluator == "gl" ? evaluatePrmOnGl(evaluation) : evaluatePrmOnCpu(evaluation);
 
   const int size = container.atlas.width;
-  ImageRgba image{size, size, std::vector<std::array<float, 4>>(size_t(size) * size)};
-  if (component != Component::indirect && !container.scene.lights.empty())
-    image = imageOfSlots(container.atlas, size, lightOfLamps(session, options, container, tracer));
-  for (const auto& slot : container.atlas.slots) {
-    auto& pixel = image.pixels[slot.texel];
-    for (int i = 0; i < 3; ++i) pixel[i] += atlas_rgba[size_t(slot.texel) * 4 + i];
-    pixel[3] = 1;
-  }
+  std::vector<Rgb> irradiance_rgb(container.atlas.slots.size(), Rgb(0.0f));
+  if (component != Component::indirect && !container.scene.lights.empty()) irradiance_rgb = lightOfLamps(session, options, container, tracer);
+  for (size_t slot = 0; slot < irradiance_rgb.size(); ++slot)
+    for (int i = 0; i < 3; ++i) irradiance_rgb[slot][i] += atlas_rgba[size_t(container.atlas.slots[slot].texel) * 4 + i];
+  const ImageRgba image = imageOfSlots(container.scene.mesh, container.atlas, size, irradiance_rgb);
   writeOutput(session, options.output, [&] { writeExr(options.output, image); });
   session.console.line(options.output.string() + ": " + options.component + " irradiance of " +
                        std::to_string(container.atlas.slots.size()) + " texels");
@@ -94,7 +91,7 @@ void addEvaluate(CLI::App& app, Session& session) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("evaluate", "What the runtime makes of a container, as an atlas of irradiance");
   command->add_option("container", options->container, "Container to evaluate")->required()->type_name("OUT.lwc");
-  addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered");
+  addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered (half of it, or a sliver's)");
   command->add_option("--technique", options->technique, "Section to evaluate; now: prm")
       ->required()
       ->type_name("NAME")

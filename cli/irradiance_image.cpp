@@ -17,9 +17,11 @@ transport::Component componentNamed(const std::string& name) {
                               : transport::Component::total;
 }
 
-ImageRgba imageOfSlots(const atlas::Atlas& atlas, int size, std::span<const Rgb> slot_rgb) {
+ImageRgba imageOfSlots(const scene::Mesh& mesh, const atlas::Atlas& atlas, int size, std::span<const Rgb> slot_rgb) {
   ImageRgba image{size, size, std::vector<std::array<float, 4>>(size_t(size) * size)};
-  for (size_t i = 0; i < atlas.slots.size(); ++i) image.pixels[atlas.slots[i].texel] = {slot_rgb[i].x, slot_rgb[i].y, slot_rgb[i].z, 1.0f};
+  const std::vector<char> standing = atlas::standingSlots(mesh, atlas);
+  for (size_t i = 0; i < atlas.slots.size(); ++i)
+    image.pixels[atlas.slots[i].texel] = {slot_rgb[i].x, slot_rgb[i].y, slot_rgb[i].z, standing[i] ? 1.0f : 0.0f};
   return image;
 }
 

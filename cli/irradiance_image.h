@@ -14,9 +14,9 @@ namespace lightwell::cli {
 void addComponent(CLI::App& command, std::string& component);
 transport::Component componentNamed(const std::string& name);
 
-/// The EXR convention of the outside contract: size × size, covered texels have their own value and A = 1, others are 0.
-/// `slot_rgb` has one value per slot. An atlas without slots gives an image without coverage.
-ImageRgba imageOfSlots(const atlas::Atlas& atlas, int size, std::span<const Rgb> slot_rgb);
+/// The EXR convention of the outside contract: size × size. Every texel that the surface touches has its own value; A = 1 where it stands for its texel
+/// (atlas::standingSlots), else 0. `slot_rgb` has one value per slot. An atlas without slots gives an image without coverage.
+ImageRgba imageOfSlots(const scene::Mesh& mesh, const atlas::Atlas& atlas, int size, std::span<const Rgb> slot_rgb);
 
 /// Turns fractions reported from any thread into progress lines with the time left.
 class ProgressMeter {

@@ -43,7 +43,7 @@ void run(Session& session, Options& options) {
   }
   const int size = options.settings.lightmap_size;
   const auto write = [&](const fs::path& file, const std::vector<Rgb>& slot_rgb) {
-    const ImageRgba image = imageOfSlots(context.atlas(), size, slot_rgb);
+    const ImageRgba image = imageOfSlots(context.scene().mesh, context.atlas(), size, slot_rgb);
     writeOutput(session, file, [&] { writeExr(file, image); });
   };
   write(options.output, map.irradiance_rgb);
@@ -58,7 +58,7 @@ void addReference(CLI::App& app, Session& session) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("reference", "Path-trace the irradiance of every texel, without bias: the truth to compare with");
   command->add_option("scene", options->source.scene, "glTF 2.0 scene, .glb or .gltf")->required()->type_name("SCENE");
-  addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered");
+  addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered (half of it, or a sliver's)");
   addComponent(*command, options->component);
   addSceneSettings(*command, options->settings);
   command->add_option("--samples", options->samples, "Paths for each texel")

@@ -1,6 +1,7 @@
 #include "precompute/atlas/atlas.h"
 
 #include <algorithm>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -118,6 +119,53 @@ SurfacePoint surfacePoint(const scene::Mesh& mesh, uint32_t triangle, float u, f
   else point.geometric_normal = shading_length > 0 ? shading / shading_length : mesh.normals[a];
   point.normal = shading_length > 1e-6f ? shading / shading_length : point.geometric_normal;
   return point;
+}
+
+namespace {
+
+/// Whether a slot's surface covers the centre of its texel (to within kCentreTolerance texels: centres often lie on edges), or half of the texel.
+bool coversCentreOrHalf(const scene::Mesh& mesh, const Atlas& atlas, const Slot& slot) {
+  constexpr double kCentreTolerance = 1e-3;
+  double share = 0;
+  for (const auto& patch : std::span(atlas.patches).subspan(slot.first_patch, slot.patch_count)) {
+    double x[3], y[3];  // in texels, from the centre
+    for (int i = 0; i < 3; ++i) {
+      const Vec2 uv = interpolate(atlas.uv, mesh.triangles[patch.triangle], patch.corner[i].x, patch.corner[i].y);
+      x[i] = double(uv.x) * atlas.width - (slot.texel % uint32_t(atlas.width)) - 0.5;
+      y[i] = double(uv.y) * atlas.height - (slot.texel / uint32_t(atlas.width)) - 0.5;
+    }
+    const double twice_area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+    const double sense = twice_area < 0 ? -1 : 1;
+    bool centre = twice_area != 0;
+    for (int i = 0; i < 3; ++i) {
+      const int next = (i + 1) % 3;
+      const double length = std::hypot(x[next] - x[i], y[next] - y[i]);
+      centre = centre && sense * (x[i] * y[next] - x[next] * y[i]) >= -kCentreTolerance * length;
+    }
+    if (centre) return true;
+    share += 0.5 * std::abs(twice_area);
+  }
+  return share >= 0.5;
+}
+
+}  // namespace
+
+std::vector<char> standingSlots(const scene::Mesh& mesh, const Atlas& atlas) {
+  std::vector<char> covers(atlas.slots.size());
+  for (size_t i = 0; i < atlas.slots.size(); ++i) covers[i] = coversCentreOrHalf(mesh, atlas, atlas.slots[i]);
+  std::vector<char> standing = covers;
+  for (size_t i = 0; i < atlas.slots.size(); ++i) {
+    if (covers[i]) continue;
+    const int x = int(atlas.slots[i].texel % uint32_t(atlas.width)), y = int(atlas.slots[i].texel / uint32_t(atlas.width));
+    bool represented = false;
+    for (int v = std::max(y - 1, 0); v <= std::min(y + 1, atlas.height - 1); ++v)
+      for (int u = std::max(x - 1, 0); u <= std::min(x + 1, atlas.width - 1); ++u) {
+        const uint32_t neighbour = atlas.texel_slot[size_t(v) * atlas.width + u];
+        represented = represented || (neighbour != kNone && covers[neighbour] && atlas.slots[neighbour].chart == atlas.slots[i].chart);
+      }
+    standing[i] = !represented;
+  }
+  return standing;
 }
 
 SurfacePoint sampleSlot(const scene::Mesh& mesh, const Atlas& atlas, const Slot& slot, float pick, const Vec2& u) {

@@ -73,6 +73,9 @@ struct SurfacePoint {
 /// A point of the slot's surface, uniform in area for uniform `pick` in [0, 1) and `u` in [0, 1)²: `pick` chooses the patch, `u`
 /// the place in it.
 SurfacePoint sampleSlot(const scene::Mesh& mesh, const Atlas& atlas, const Slot& slot, float pick, const Vec2& u);
+/// Which slots stand for their texel, one flag each: those whose centre or half of them is covered, and where none of the texels around is one of the same
+/// chart (slivers, specks), every slot. The others are rims that a neighbour stands for: in a mean over texels they would count too much.
+std::vector<char> standingSlots(const scene::Mesh& mesh, const Atlas& atlas);
 /// The point at barycentrics (1 − u − v, u, v) of a triangle.
 SurfacePoint surfacePoint(const scene::Mesh& mesh, uint32_t triangle, float u, float v);
 

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "precompute/core/image.h"
 #include "precompute/core/random.h"
-#include "precompute/transport/compare.h"
+#include "precompute/transport/pooled_error.h"
 #include "precompute/transport/prm/entry_irradiance.h"
 #include "precompute/transport/prm/evaluate.h"
 #include "precompute/transport/prm/light_prior.h"
@@ -14,7 +13,8 @@
 namespace lightwell::bake {
 namespace {
 
-constexpr uint32_t kSamples = 32;      // paths per texel in each of the two references
+constexpr uint64_t kReferences = 4;    // independent: a pair of them gives an error, the others its weight
+constexpr uint32_t kSamples = 32;      // paths per texel in each reference
 constexpr double kRaysPerPath = 6;     // about; for progress
 constexpr uint64_t kLightSeed = 0x6c69676874ull;  // apart from the lights that bases are fitted to
 constexpr size_t kRuns = 32, kRunSlots = 32;      // the sample: runs of neighbouring texels, spread evenly over the atlas
@@ -36,12 +36,6 @@ std::vector<std::pair<size_t, size_t>> sampledRuns(size_t slots) {
   return runs;
 }
 
-ImageRgba imageOf(const std::vector<Rgb>& values) {
-  ImageRgba image{int(values.size()), 1, {}};
-  for (const auto& value : values) image.pixels.push_back({value.x, value.y, value.z, 1.0f});
-  return image;
-}
-
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
@@ -59,7 +53,7 @@ std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& co
     for (auto& material : copy->materials) material.emissive = Rgb(0.0f);
     dark = copy;
   }
-  const double rays = double(std::min(context.atlas().slots.size(), kRuns * kRunSlots)) * 2 * kSamples * kRaysPerPath;
+  const double rays = double(std::min(context.atlas().slots.size(), kRuns * kRunSlots)) * double(kReferences) * kSamples * kRaysPerPath;
   for (uint32_t i = 0; i < lights; ++i)
     tasks.push_back(graph.add({"measure/" + std::to_string(i),
                                "measure",
@@ -70,9 +64,9 @@ std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& co
                                [&context, dark, i](const TaskInputs& in) {
                                  const scene::Light light = testLight(context, i).light;
                                  ByteWriter writer;
-                                 for (const uint64_t half : {1, 2}) {
+                                 for (uint64_t k = 1; k <= kReferences; ++k) {
                                    transport::ReferenceOptions options{.samples = kSamples, .threads = 1, .cancel = &in.cancel};
-                                   options.seed = combineKeys(combineKeys(context.settings().seed, kLightSeed), half);
+                                   options.seed = combineKeys(combineKeys(context.settings().seed, kLightSeed), k);
                                    std::vector<Rgb> irradiance_rgb;
                                    for (const auto& [first, end] : sampledRuns(context.atlas().slots.size())) {
                                      const auto run =
@@ -98,7 +92,8 @@ std::optional<MeasuredError> measurePrm(const BakeContext& context, const transp
   size_t texels = 0;
   for (uint32_t i = 0; i < references.size(); ++i) {
     ByteReader reader(*references[i]);
-    const auto first_rgb = reader.array<Rgb>(), second_rgb = reader.array<Rgb>();
+    std::vector<std::vector<Rgb>> reference_rgb(kReferences);
+    for (auto& values : reference_rgb) values = reader.array<Rgb>();
     const auto light = testLight(context, i).light;
     const auto indirect_rgb = transport::evaluatePrm(prm, transport::clusterIrradiance(prm.entries, *context.tracer(), light));
     std::vector<Rgb> candidate_rgb;
@@ -107,10 +102,10 @@ std::optional<MeasuredError> measurePrm(const BakeContext& context, const transp
         const uint32_t value = value_of_slot[slot];
         candidate_rgb.push_back(value != kNone ? indirect_rgb[value] : Rgb(0.0f));
       }
-    const ImageRgba second = imageOf(second_rgb);
-    const auto error = transport::compareMaps(imageOf(first_rgb), imageOf(candidate_rgb), &second);
+    const auto error = transport::compareWithReferences(reference_rgb, candidate_rgb);
     double mean = 0;
-    for (const auto& value : first_rgb) mean += luminance(value);
+    for (const auto& values : reference_rgb)
+      for (const auto& value : values) mean += luminance(value);
     if (error.texels == 0 || !std::isfinite(error.relrmse) || !std::isfinite(error.texrel)) continue;
     lights.push_back({mean, error.relrmse, error.texrel, error.bias});
     texels = std::max(texels, error.texels);

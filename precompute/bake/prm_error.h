@@ -13,7 +13,7 @@ struct MeasuredError {
   std::string against;  // in words
 };
 
-/// Adds one task for each of `lights` test lights: its path-traced indirect irradiance at a sample of texels, twice, independently.
+/// Adds one task for each of `lights` test lights: its path-traced indirect irradiance at a sample of texels, four times, independently.
 /// `context` must have a tracer and outlive the graph.
 std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& context, uint32_t lights);
 

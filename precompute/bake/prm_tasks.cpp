@@ -21,7 +21,8 @@ std::string parametersOf(const BakeContext& context, const transport::PrmSetting
   add(int(s.layout)), add(int(s.estimator));
   add(s.entries.clusters), add(s.entries.groups), add(s.entries.points_per_cluster), add(s.entries.points_per_group);
   add(s.bases.block_texels), add(s.bases.most_rank), add(s.bases.rank_error), add(s.bases.link_error), add(s.bases.rays);
-  add(s.cluster_rays), add(s.bases.prune_error), add(s.entries.split_by_visibility), add(s.training_lights), add(s.emitter_samples), add(s.walks_per_entry), add(s.seed);
+  add(s.bases.prune_error), add(s.entries.split_by_visibility), add(s.cluster_rays), add(s.training_lights);
+  add(s.emitter_samples), add(s.walks_per_entry), add(s.seed);
   return text;
 }
 
@@ -40,6 +41,7 @@ void applyChoices(const plan::Settings& settings, transport::PrmSettings& prm) {
   uint32_t& clusters = panes ? entries.groups : entries.clusters;
   if (settings.prm_clusters) clusters = settings.prm_clusters;
   if (settings.prm_entries) (panes ? entries.points_per_group : entries.points_per_cluster) = std::max(1u, settings.prm_entries / clusters);
+  entries.split_by_visibility = !panes;  // as many panes as asked for
   if (panes) entries.clusters = std::max(entries.clusters, entries.groups);  // clusters lie inside groups
   else entries.groups = std::min(entries.groups, entries.clusters);
 }

@@ -12,9 +12,9 @@ namespace {
 
 // Normals of one cluster span at most this chord along each axis: about 30°. Perpendicular walls are never mixed.
 constexpr float kNormalExtent = 0.5f;
-// Rays that show what a cluster sees, and the common share of it below which two neighbours are taken to be apart. Two samples of this size of
-// the same room, which has many groups, have about a third in common; across a wall nothing, through a door a few hundredths.
-constexpr uint32_t kSurroundingRays = 128;
+// Rays of each of two samples of what a cluster sees, and the common share below which two neighbours are taken to be apart, as a part of what the two
+// samples of one cluster have in common: across a wall nothing, through a door a few hundredths, within a room about all.
+constexpr uint32_t kSurroundingRays = 64;
 constexpr float kSameSurroundings = 0.3f;
 constexpr uint64_t kSurroundingStream = 1ull << 32;
 
@@ -196,10 +196,14 @@ EntryClusters numberClusters(const atlas::Atlas& atlas, const Sides& sides, Clus
   return result;
 }
 
-/// What a cluster sees: shares of the groups, by rays.
-using Surroundings = std::vector<std::pair<uint32_t, float>>;
+/// What a cluster sees: shares of the groups met by rays. Two samples, whose common share says how much is lost to noise.
+using Sample = std::vector<std::pair<uint32_t, float>>;
+struct Surroundings {
+  Sample sample[2];
+  float own_overlap = 0;
+};
 
-float overlap(const Surroundings& a, const Surroundings& b) {
+float overlap(const Sample& a, const Sample& b) {
   float sum = 0;
   for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
     if (i->first == j->first) sum += std::min((i++)->second, (j++)->second);
@@ -209,6 +213,12 @@ float overlap(const Surroundings& a, const Surroundings& b) {
   return sum;
 }
 
+/// About 1 where both see the same, 0 where they have nothing in common; 1 also where rays met nothing.
+float likeness(const Surroundings& a, const Surroundings& b) {
+  const float own = std::sqrt(a.own_overlap * b.own_overlap);
+  return own > 0 ? 0.5f * (overlap(a.sample[0], b.sample[1]) + overlap(a.sample[1], b.sample[0])) / own : 1.0f;
+}
+
 /// Cuts groups where their clusters do not see the same surroundings: on both sides of a wall, in a sealed pocket, above and below a shelf. Light
 /// that is averaged over such a group would pass through the wall.
 ClusterList splitByVisibility(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
@@ -216,14 +226,18 @@ ClusterList splitByVisibility(const scene::Scene& scene, const atlas::Atlas& atl
   const Gatherer gatherer(scene, atlas, tracer, sides, clusters, seed);
   std::vector<Surroundings> surroundings(clusters.cluster_count);
   for (uint32_t c = 0; c < clusters.cluster_count; ++c) {
-    uint32_t seen = 0;
-    for (const auto& [cluster, count] : gatherer.met(clusters.sidesOf(c), kSurroundingRays, kSurroundingStream + c)) {
-      const uint32_t group = clusters.group_of_cluster[cluster];
-      if (surroundings[c].empty() || surroundings[c].back().first != group) surroundings[c].emplace_back(group, 0.0f);
-      surroundings[c].back().second += float(count);
-      seen += count;
+    for (uint64_t half = 0; half < 2; ++half) {
+      Sample& sample = surroundings[c].sample[half];
+      uint32_t seen = 0;
+      for (const auto& [cluster, count] : gatherer.met(clusters.sidesOf(c), kSurroundingRays, kSurroundingStream + 2 * c + half)) {
+        const uint32_t group = clusters.group_of_cluster[cluster];
+        if (sample.empty() || sample.back().first != group) sample.emplace_back(group, 0.0f);
+        sample.back().second += float(count);
+        seen += count;
+      }
+      for (auto& [group, share] : sample) share /= float(seen);
     }
-    for (auto& [group, share] : surroundings[c]) share /= float(seen);
+    surroundings[c].own_overlap = overlap(surroundings[c].sample[0], surroundings[c].sample[1]);
   }
   ClusterList list;
   uint32_t group_count = 0;
@@ -235,7 +249,7 @@ ClusterList splitByVisibility(const scene::Scene& scene, const atlas::Atlas& atl
       rest.erase(rest.begin());
       for (size_t i = 0; i < part.size(); ++i) {
         const auto joined = std::stable_partition(rest.begin(), rest.end(), [&](uint32_t c) {
-          return overlap(surroundings[part[i]], surroundings[c]) < kSameSurroundings;
+          return likeness(surroundings[part[i]], surroundings[c]) < kSameSurroundings;
         });
         part.insert(part.end(), joined, rest.end());
         rest.erase(joined, rest.end());
