@@ -48,7 +48,7 @@ struct InputRange {
 /// What the container is made of, beside the context.
 struct ContainerParts {
   PrmTasks prm;
-  InputRange blocks, emitter, solved, references;  // empty without a PRM
+  InputRange blocks, emitter, references;  // empty without a PRM
   InputRange sky;                                  // empty without a sky on its texels
   InputRange environment, environment_errors;      // at most one each
 };
@@ -67,7 +67,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   std::optional<transport::PrmResult> prm;
   SkyPanes sky;
   if (plan.prm) {
-    prm = assemblePrm(parts.prm, parts.blocks.of(in), parts.emitter.of(in), parts.solved.of(in)[0]);
+    prm = assemblePrm(parts.prm, parts.blocks.of(in), parts.emitter.of(in));
     in.cancel.check();
     if (const auto measured = measurePrm(context, *prm, parts.references.of(in)))
       addError(meta, "prm", measured->relrmse, measured->texrel, measured->bias, measured->against);
@@ -120,7 +120,6 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options)
     parts.prm = addPrmTasks(result.graph, context, prm_settings, baker);
     parts.blocks = take(parts.prm.blocks);
     parts.emitter = take(parts.prm.emitter);
-    parts.solved = take({parts.prm.solved});
     if (plan.prm_sky) parts.sky = take(addSkyTasks(result.graph, context, options.settings));
     parts.references = take(addReferenceTasks(result.graph, context, options.test_lights));
   }

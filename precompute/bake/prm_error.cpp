@@ -107,7 +107,7 @@ std::optional<MeasuredError> measurePrm(const BakeContext& context, const transp
     for (const auto& values : reference_rgb)
       for (const auto& value : values) mean += luminance(value);
     if (error.texels == 0 || !std::isfinite(error.relrmse) || !std::isfinite(error.texrel)) continue;
-    lights.push_back({mean, error.relrmse, error.texrel, error.bias});
+    lights.push_back({mean, std::max(0.0, error.relrmse), std::max(0.0, error.texrel), error.bias});  // below zero: lost in noise
     texels = std::max(texels, error.texels);
   }
   if (lights.empty()) return std::nullopt;

@@ -96,7 +96,7 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
     }
     return tasks;
   };
-  PrmTasks tasks{baker, {}, {}, 0};
+  PrmTasks tasks{baker, {}, {}};
   const double entries = settings.entries.clusters * double(settings.entries.points_per_cluster);
   const auto bounces = addRange("bounces", baker->groupCount(), kGroupsPerTask, settings.cluster_rays, {},
                                 [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->oneBounce(first, end); });
@@ -117,14 +117,13 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
          const std::span<const ByteView> all(views);
          return baker->solve(all.first(bounces), all.subspan(bounces, training), all.subspan(bounces + training));
        }});
-  tasks.solved = solve;
   tasks.blocks = addRange("fit", baker->blockCount(), kBlocksPerTask, 4.0 * settings.bases.block_texels * settings.bases.rays, {solve},
                           [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fit(first, end, *in.inputs[0]); });
   return tasks;
 }
 
-transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter, const Blob& solved) {
-  return tasks.baker->assemble(viewsOf(blocks), viewsOf(emitter), *solved);
+transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter) {
+  return tasks.baker->assemble(viewsOf(blocks), viewsOf(emitter));
 }
 
 }  // namespace lightwell::bake

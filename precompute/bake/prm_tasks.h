@@ -14,7 +14,6 @@ transport::PrmSettings prmSettings(const plan::Settings& settings);
 struct PrmTasks {
   std::shared_ptr<const transport::PrmBaker> baker;
   std::vector<TaskIndex> blocks, emitter;  // outputs of fit and of emitterDirect, in range order
-  TaskIndex solved = 0;                    // output of solve
 };
 
 /// Adds the tasks up to the fitted blocks. `context` must have a tracer and outlive the graph; `baker` was made with `settings`.
@@ -22,6 +21,6 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
                      std::shared_ptr<const transport::PrmBaker> baker);
 
 /// Joins their outputs. Every covered texel has its own value, buried ones too: what they show is the atlas's matter.
-transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter, const Blob& solved);
+transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter);
 
 }  // namespace lightwell::bake

@@ -42,7 +42,7 @@ Ending failedEnding(const char* id, const std::string& message, const std::strin
 }  // namespace
 
 uint64_t estimatedMemoryBytes(const v1::JobSpec& spec) {
-  // Measured over the sample scenes (docs/service.md): a base of libraries and threads, decoded scenes and their tracer, texels with their
+  // An estimate by hand, not a measurement: a base of libraries and threads, decoded scenes and their tracer, texels with their
   // transport. Textures and compressed meshes unpack further than this says; the hard limit is for those.
   constexpr uint64_t kBase = 128ull << 20, kPerFileByte = 6, kPerTexel = 1500;
   uint64_t bytes = kBase;

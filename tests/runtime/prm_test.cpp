@@ -83,7 +83,7 @@ TEST_P(PrmEvaluation, RejectsBadNumbers) {
   }
   irradiance[7] = 1;
   lw_prm_options options = LW_PRM_OPTIONS_INIT;
-  options.emitters = 4;
+  options.emitters = 16;
   EXPECT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), &options, scratch.data(), scratch.size() * 4, atlas.data()), LW_INVALID_ARGUMENT);
   options.emitters = 0;
   options.fill = 2;

@@ -56,7 +56,7 @@ PrmResult bake(const PrmBaker& baker, uint32_t grain, int threads) {
   const auto emitter = stage(baker.hasEmitters() ? baker.sideCount() : 0, [&](uint32_t a, uint32_t b) { return baker.emitterDirect(a, b); });
   const Bytes solved = baker.solve(views(one_bounce), views(training), views(emitter));
   const auto blocks = stage(baker.blockCount(), [&](uint32_t a, uint32_t b) { return baker.fit(a, b, solved); });
-  return baker.assemble(views(blocks), views(emitter), solved);
+  return baker.assemble(views(blocks), views(emitter));
 }
 
 scene::Scene roomWithBox(float albedo) {

@@ -111,7 +111,6 @@ struct PrmBaker::Impl {
     for (auto& matrix : solved.training.cluster_indirect) matrix = readMatrix(reader, clusters.cluster_count, lights);
     solved.training.weight = reader.array<float>();
     solved.training.stand_ins.group = reader.array<uint32_t>();
-    solved.training.stand_ins.gain = reader.array<float>();
     solved.emitters.direct_rgb = reader.array<Rgb>();
     solved.emitters.cluster_indirect_rgb = reader.array<Rgb>();
     return solved;
@@ -199,7 +198,6 @@ Bytes PrmBaker::solve(std::span<const ByteView> one_bounce, std::span<const Byte
   for (const auto& matrix : lights.cluster_indirect) writeMatrix(writer, matrix);
   writer.array(lights.weight);
   writer.array(lights.stand_ins.group);
-  writer.array(lights.stand_ins.gain);
   writer.array(emitters.direct_rgb);
   writer.array(emitters.cluster_indirect_rgb);
   return writer.take();
@@ -245,7 +243,7 @@ Bytes PrmBaker::fit(uint32_t first, uint32_t end, ByteView solved_bytes) const {
   return writer.take();
 }
 
-PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const ByteView> emitter, ByteView solved_bytes) const {
+PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const ByteView> emitter) const {
   const auto& impl = *impl_;
   const bool local_bases = impl.settings.layout == PrmLayoutKind::local_bases;
   PrmResult result;

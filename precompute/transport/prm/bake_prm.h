@@ -54,8 +54,8 @@ class PrmBaker {
   /// Blocks [first, end): traced and, for local bases, fitted.
   Bytes fit(uint32_t first, uint32_t end, ByteView solved) const;
 
-  /// The finished map from the outputs of fit and of emitterDirect (each in range order) and of solve.
-  PrmResult assemble(std::span<const ByteView> blocks, std::span<const ByteView> emitter, ByteView solved) const;
+  /// The finished map from the outputs of fit and of emitterDirect (each in range order).
+  PrmResult assemble(std::span<const ByteView> blocks, std::span<const ByteView> emitter) const;
 
  private:
   struct Impl;

@@ -135,7 +135,7 @@ LinkedGroups linkGroups(const EntryClusters& clusters, const MultiBounce& multi_
     }
     if (lost2 > double(options.prune_error) * options.prune_error * signal2) break;
   }
-  // What was lost is carried by groups that are lit alike.
+  // Their light is carried by groups that are lit alike, as it is: evenly spread light keeps its energy exactly.
   for (size_t i = pruned; i < importance.size(); ++i) linked.kept[importance[i].second] = 1;
   for (size_t i = 0; i < pruned; ++i) {
     const uint32_t group = importance[i].second;
@@ -143,7 +143,7 @@ LinkedGroups linkGroups(const EntryClusters& clusters, const MultiBounce& multi_
       const uint32_t other = training.stand_ins.group[k];
       if (other == kNone) break;
       if (!linked.kept[other]) continue;
-      for (auto& matrix : linked.coordinates) matrix.col(other) += training.stand_ins.gain[k] * matrix.col(group);
+      for (auto& matrix : linked.coordinates) matrix.col(other) += matrix.col(group);
       break;
     }
   }
@@ -156,7 +156,6 @@ StandIns makeStandIns(const TrainingLights& training, uint32_t groups) {
   const MatrixXf product = direct * direct.transpose();
   StandIns result;
   result.group.assign(size_t(groups) * StandIns::kMost, kNone);
-  result.gain.assign(result.group.size(), 0.0f);
   std::vector<std::pair<float, uint32_t>> alike;  // correlation, group
   for (uint32_t g = 0; g < groups; ++g) {
     alike.clear();
@@ -166,11 +165,7 @@ StandIns makeStandIns(const TrainingLights& training, uint32_t groups) {
       if (other != g && correlation > kAlike) alike.emplace_back(-correlation, other);
     }
     std::sort(alike.begin(), alike.end());
-    for (size_t i = 0; i < std::min<size_t>(alike.size(), StandIns::kMost); ++i) {
-      const uint32_t other = alike[i].second;
-      result.group[g * StandIns::kMost + i] = other;
-      result.gain[g * StandIns::kMost + i] = product(g, other) / product(other, other);
-    }
+    for (size_t i = 0; i < std::min<size_t>(alike.size(), StandIns::kMost); ++i) result.group[g * StandIns::kMost + i] = alike[i].second;
   }
   return result;
 }

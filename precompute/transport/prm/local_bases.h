@@ -24,7 +24,6 @@ struct LocalBasesOptions {
 struct StandIns {
   static constexpr uint32_t kMost = 32;
   std::vector<uint32_t> group;  // [group][kMost], the most alike first; kNone where there are fewer
-  std::vector<float> gain;      // [group][kMost]: the other's irradiance over the stand-in's, by least squares over the training lights
 };
 
 struct TrainingLights {

@@ -186,7 +186,7 @@ typedef struct lw_gl_environment_options {
 } lw_gl_environment_options;
 #define LW_GL_ENVIRONMENT_OPTIONS_INIT {sizeof(lw_gl_environment_options), 0, 256, 1024, {-1, -1, -1}, {1, 1, 1}}
 
-/* Uploads a sky and prefilters its picture, which takes about half a second of the calling thread. `environment` is not used afterwards.
+/* Uploads a sky and prefilters its picture, which keeps the calling thread busy for up to a second or two. `environment` is not used afterwards.
  * Until depth maps are drawn nothing is hidden.
  * Fails with LW_LIMIT_EXCEEDED (texture or uniform block sizes), LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT. */
 LW_API lw_result lw_gl_environment_create(lw_gl *gl, const lw_environment *environment, const lw_gl_environment_options *options,
