@@ -14,7 +14,7 @@ namespace lightwell::bake {
 namespace {
 
 constexpr uint64_t kReferences = 4;    // independent: a pair of them gives an error, the others its weight
-constexpr uint32_t kSamples = 32;      // paths per texel in each reference
+constexpr uint32_t kSamples = 64;      // paths per texel in each reference
 constexpr double kRaysPerPath = 6;     // about; for progress
 constexpr uint64_t kLightSeed = 0x6c69676874ull;  // apart from the lights that bases are fitted to
 constexpr size_t kRuns = 32, kRunSlots = 32;      // the sample: runs of neighbouring texels, spread evenly over the atlas
@@ -107,7 +107,7 @@ std::optional<MeasuredError> measurePrm(const BakeContext& context, const transp
     for (const auto& values : reference_rgb)
       for (const auto& value : values) mean += luminance(value);
     if (error.texels == 0 || !std::isfinite(error.relrmse) || !std::isfinite(error.texrel)) continue;
-    lights.push_back({mean, std::max(0.0, error.relrmse), std::max(0.0, error.texrel), error.bias});  // below zero: lost in noise
+    lights.push_back({mean, error.relrmse, error.texrel, error.bias});
     texels = std::max(texels, error.texels);
   }
   if (lights.empty()) return std::nullopt;
@@ -120,7 +120,8 @@ std::optional<MeasuredError> measurePrm(const BakeContext& context, const transp
   const double enough = 0.1 * medianOf(&Measured::mean);
   std::erase_if(lights, [&](const Measured& light) { return light.mean < enough; });
   return MeasuredError{
-      medianOf(&Measured::relrmse), medianOf(&Measured::texrel), medianOf(&Measured::bias),
+      std::max(0.0, medianOf(&Measured::relrmse)), std::max(0.0, medianOf(&Measured::texrel)),  // below zero: lost in noise
+      medianOf(&Measured::bias),
       "median of " + std::to_string(lights.size()) + " point lights, indirect light path-traced at " + std::to_string(texels) + " texels"};
 }
 
