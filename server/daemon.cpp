@@ -15,7 +15,7 @@
 #include "server/rpc/requests.h"
 #include "server/rpc/rpc_server.h"
 #include "server/job/job_state.h"
-#include "server/work/scheduler.h"
+#include "server/execution/scheduler.h"
 
 namespace lightwell::server {
 namespace fs = std::filesystem;

@@ -9,7 +9,7 @@
 
 #include "server/tokens.h"
 #include "server/store/blob_store.h"
-#include "server/work/jobs.h"
+#include "server/execution/jobs.h"
 
 namespace httplib {
 class Server;

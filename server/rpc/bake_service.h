@@ -13,7 +13,7 @@
 #include "server/store/blob_store.h"
 #include "server/store/retention.h"
 #include "server/store/uploads.h"
-#include "server/work/jobs.h"
+#include "server/execution/jobs.h"
 
 namespace lightwell::server {
 

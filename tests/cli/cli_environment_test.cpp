@@ -5,10 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "precompute/core/image.h"
-#include "tests/cli/process.h"
+#include "tests/cli/command_fixture.h"
 #include "tests/cli/scenes.h"
-#include "tests/cli/schema.h"
 
 namespace lightwell::test {
 namespace {
@@ -30,10 +28,9 @@ std::string skyHdr(float above, float below) {
   return text;
 }
 
-class CliEnvironmentTest : public FolderTest {
+class CliEnvironmentTest : public CommandTest {
  protected:
   void SetUp() override {
-    FolderTest::SetUp();
     writeFile(path("sky.hdr"), skyHdr(1, 1));
     writeFile(path("day.hdr"), skyHdr(4, 0.5f));
     writeFile(path("black.hdr"), skyHdr(0, 0));
@@ -41,30 +38,11 @@ class CliEnvironmentTest : public FolderTest {
     writeFile(path("closed.gltf"), roomGltf({.albedo = 0.5}));
     writeFile(path("open.gltf"), roomGltf({.albedo = 0.5, .open = true}));
   }
-  Finished run(const std::vector<std::string>& arguments) {
-    const Finished finished = lightwell(arguments);
-    EXPECT_EQ(finished.exit_code, 0) << arguments[0] << ": " << finished.err;
-    return finished;
-  }
-  json runJson(const std::vector<std::string>& arguments, const std::string& schema) {
-    const json document = json::parse(run(arguments).out, nullptr, false);
-    EXPECT_FALSE(document.is_discarded()) << arguments[0];
-    EXPECT_EQ(schemaViolation(readSchema(schema), document), "");
-    return document;
-  }
   void expectFailure(const std::vector<std::string>& arguments, int exit_code, const std::string& message) {
     const Finished finished = lightwell(arguments);
     EXPECT_EQ(finished.exit_code, exit_code) << finished.err;
     EXPECT_THAT(finished.err, HasSubstr(message));
     EXPECT_EQ(finished.out, "");
-  }
-  double meanOf(const std::string& exr) {
-    const ImageRgba image = readExr(path(exr));
-    double sum = 0, count = 0;
-    for (const auto& p : image.pixels)
-      if (p[3] == 1) sum += p[0], ++count;
-    EXPECT_GT(count, 0);
-    return sum / count;
   }
 };
 

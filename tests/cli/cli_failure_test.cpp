@@ -26,7 +26,6 @@ size_t resultsIn(const std::filesystem::path& cache) {
 class CliFailureTest : public FolderTest {
  protected:
   void SetUp() override {
-    FolderTest::SetUp();
     writeFile(path("room.gltf"), roomGltf({.lamp_candela = 1}));
   }
   void expectFailure(const std::vector<std::string>& arguments, int exit_code, const std::string& message) {

@@ -18,7 +18,6 @@ using testing::HasSubstr;
 class CliPrmTest : public FolderTest {
  protected:
   void SetUp() override {
-    FolderTest::SetUp();
     writeFile(path("lamp.gltf"), roomGltf({.albedo = 0.7, .lamp_candela = 1}));
   }
   Finished run(const std::vector<std::string>& arguments, int exit_code = 0) {

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "precompute/core/image.h"
-#include "tests/cli/process.h"
+#include "tests/cli/command_fixture.h"
 #include "tests/cli/scenes.h"
-#include "tests/cli/schema.h"
 
 namespace lightwell::test {
 namespace {
@@ -15,39 +13,17 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-class CliTest : public FolderTest {
+class CliTest : public CommandTest {
  protected:
   void SetUp() override {
-    FolderTest::SetUp();
     writeFile(path("lamp.gltf"), roomGltf({.albedo = 0.7, .lamp_candela = 1}));
     writeFile(path("furnace.gltf"), roomGltf({.albedo = 0.5, .emission = 1}));
     writeFile(path("empty.gltf"), roomGltf({.surfaces = false}));
-  }
-  /// Runs and expects success.
-  Finished run(const std::vector<std::string>& arguments) {
-    const Finished finished = lightwell(arguments);
-    EXPECT_EQ(finished.exit_code, 0) << arguments[0] << ": " << finished.err;
-    return finished;
   }
   void bake(const std::string& scene, const std::string& output, std::vector<std::string> more = {}) {
     std::vector<std::string> arguments{"bake", path(scene), "-o", path(output), "--lightmap-size", "24", "--quality", "draft"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     run(arguments);
-  }
-  json runJson(const std::vector<std::string>& arguments, const std::string& schema) {
-    const json document = json::parse(run(arguments).out, nullptr, false);
-    EXPECT_FALSE(document.is_discarded()) << arguments[0];
-    EXPECT_EQ(schemaViolation(readSchema(schema), document), "");
-    return document;
-  }
-  /// Mean of the red channel over covered texels.
-  double meanOf(const std::string& exr) {
-    const ImageRgba image = readExr(path(exr));
-    double sum = 0, count = 0;
-    for (const auto& p : image.pixels)
-      if (p[3] == 1) sum += p[0], ++count;
-    EXPECT_GT(count, 0);
-    return sum / count;
   }
 };
 

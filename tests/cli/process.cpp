@@ -13,16 +13,6 @@
 
 namespace lightwell::test {
 namespace fs = std::filesystem;
-namespace {
-
-fs::path makeFolder() {
-  std::string name = (fs::temp_directory_path() / "lightwell-test-XXXXXX").string();
-  if (!mkdtemp(name.data())) ADD_FAILURE() << "no temporary folder";
-  return name;
-}
-
-}  // namespace
-
 std::string readFile(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -30,13 +20,13 @@ std::string readFile(const fs::path& file) {
 
 void writeFile(const fs::path& file, const std::string& content) { std::ofstream(file, std::ios::binary) << content; }
 
-Background::Background(const std::vector<std::string>& arguments) : folder_(makeFolder()) {
+Background::Background(const std::vector<std::string>& arguments) {
   std::vector<std::string> words{LIGHTWELL_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (auto& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  const std::string out = folder_ / "out", err = folder_ / "err";
+  const std::string out = folder_.path() / "out", err = folder_.path() / "err";
   pid_ = fork();
   if (pid_ == 0) {
     dup2(open(out.c_str(), O_CREAT | O_WRONLY, 0600), STDOUT_FILENO);
@@ -51,10 +41,9 @@ Background::~Background() {
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
   }
-  fs::remove_all(folder_);
 }
 
-std::string Background::errors() const { return readFile(folder_ / "err"); }
+std::string Background::errors() const { return readFile(folder_.path() / "err"); }
 
 bool Background::waitFor(const std::function<bool()>& condition) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
@@ -71,13 +60,10 @@ void Background::signal(int number) { kill(pid_, number); }
 Finished Background::wait() {
   int status = 0;
   waitpid(std::exchange(pid_, -1), &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readFile(folder_ / "out"), readFile(folder_ / "err")};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readFile(folder_.path() / "out"), readFile(folder_.path() / "err")};
 }
 
 Finished lightwell(const std::vector<std::string>& arguments) { return Background(arguments).wait(); }
-
-void FolderTest::SetUp() { folder_ = makeFolder(); }
-void FolderTest::TearDown() { fs::remove_all(folder_); }
 
 std::vector<std::string> FolderTest::listing() const {
   std::vector<std::string> names;

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/temporary_folder.h"
+
 namespace lightwell::test {
 
 struct Finished {
@@ -31,7 +33,7 @@ class Background {
   Finished wait();
 
  private:
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
   pid_t pid_ = -1;
 };
 
@@ -41,12 +43,15 @@ void writeFile(const std::filesystem::path& file, const std::string& content);
 /// A test with a folder of its own.
 class FolderTest : public testing::Test {
  protected:
-  void SetUp() override;
-  void TearDown() override;
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   /// Names of all files and folders in it, sorted.
   std::vector<std::string> listing() const;
-  std::filesystem::path folder_;
+
+ private:
+  TemporaryFolder temporary_;
+
+ protected:
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 }  // namespace lightwell::test

@@ -6,6 +6,7 @@
 
 #include "format/encode/verify.h"
 #include "tests/format/content.h"
+#include "tests/format/listed.h"
 
 namespace lightwell::format {
 namespace {
@@ -21,12 +22,6 @@ struct Breach {
 std::vector<Issue> issuesOf(const Content& content) {
   const std::vector<uint8_t> file = toWriter(content).bytes();
   return verify(memorySource(file.data(), file.size()));
-}
-
-std::string listed(const std::vector<Issue>& issues) {
-  std::string text;
-  for (const Issue& issue : issues) text += std::to_string(int(issue.id)) + " " + issue.place + ": " + issue.message + "\n";
-  return text;
 }
 
 const std::vector<Breach>& breaches() {

@@ -1,5 +1,6 @@
 // The GLSL that is exported, inside a program of the game.
 #include "tests/runtime/gl_fixture.h"
+#include "tests/runtime/gl_program.h"
 
 namespace lightwell::test {
 namespace {
@@ -8,29 +9,8 @@ class GlSnippets : public GlFixture {
  protected:
   /// A program that writes `expression` for each texel of a picture; `uv` runs over its texels' centres.
   GLuint makeProgram(const std::string& snippet, const std::string& expression) {
-    const std::string version = GetParam() == Api::desktop33 ? "#version 330 core\n" : "#version 300 es\nprecision mediump float;\n";
-    const GLuint program = glCreateProgram();
-    const auto add = [&](GLenum type, const std::string& source) {
-      const GLuint shader = glCreateShader(type);
-      const char* text = source.c_str();
-      glShaderSource(shader, 1, &text, nullptr);
-      glCompileShader(shader);
-      GLint good = 0;
-      glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
-      char log[1000] = {};
-      glGetShaderInfoLog(shader, sizeof log, nullptr, log);
-      EXPECT_TRUE(good) << log;
-      glAttachShader(program, shader);
-      glDeleteShader(shader);
-    };
-    add(GL_VERTEX_SHADER, version + "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1, 0, 1); }");
-    add(GL_FRAGMENT_SHADER, version + snippet + "uniform vec2 u_size, u_shift; uniform sampler2D u_atlas; out vec4 color;\n" +
-                                "void main() { vec2 uv = (gl_FragCoord.xy + u_shift) / u_size; color = vec4(" + expression + ", 1.0); }");
-    glLinkProgram(program);
-    GLint linked = 0;
-    glGetProgramiv(program, GL_LINK_STATUS, &linked);
-    EXPECT_TRUE(linked);
-    return program;
+    return linkProgram(GetParam(), snippet + "uniform vec2 u_size, u_shift; uniform sampler2D u_atlas; out vec4 color;\n" +
+                                       "void main() { vec2 uv = (gl_FragCoord.xy + u_shift) / u_size; color = vec4(" + expression + ", 1.0); }");
   }
   /// [height][width][4] of what the program writes; the textures are bound by `bind`.
   template <class Bind>

@@ -7,6 +7,7 @@
 
 #include "server/failure.h"
 #include "server/job/job_state.h"
+#include "tests/support/temporary_folder.h"
 
 namespace lightwell::server {
 namespace {
@@ -15,15 +16,8 @@ namespace fs = std::filesystem;
 class JobStoreTest : public testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lightwell-test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
     store_ = std::make_unique<JobStore>(folder_ / "jobs.sqlite");
     store_->addBlob(kScene, 10, "anna");
-  }
-  void TearDown() override {
-    store_.reset();
-    fs::remove_all(folder_);
   }
   std::string add(const std::string& client, const std::string& request_key, int priority = 0, const std::string& key = "") {
     Submission submission{.client = client, .spec = {}, .idempotency_key = key, .request_key = request_key, .max_unfinished_jobs = 100};
@@ -48,16 +42,18 @@ class JobStoreTest : public testing::Test {
   }
   v1::JobState state(const std::string& id) { return store_->get(id)->state(); }
   const std::string kScene = std::string(64, 'a'), kContainer = std::string(64, 'c');
-  fs::path folder_;
+  test::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
   std::unique_ptr<JobStore> store_;
 };
 
 TEST_F(JobStoreTest, OnlyTheTablesTransitionsHappen) {
   const v1::JobState all[] = {v1::JOB_STATE_QUEUED, v1::JOB_STATE_RUNNING, v1::JOB_STATE_SUCCEEDED, v1::JOB_STATE_FAILED, v1::JOB_STATE_CANCELLED};
   for (const auto from : all)
-    for (const auto to : all) {
-      if (isFinal(from) || from == to) EXPECT_FALSE(isTransition(from, to));
-    }
+    for (const auto to : all)
+      if (isFinal(from) || from == to) {
+        EXPECT_FALSE(isTransition(from, to));
+      }
   const std::string id = add("anna", "r1");
   EXPECT_FALSE(store_->finish(id, {.state = v1::JOB_STATE_QUEUED}));
   EXPECT_TRUE(store_->start(id));

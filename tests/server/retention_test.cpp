@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "server/store/sha256.h"
+#include "tests/support/temporary_folder.h"
 
 namespace lightwell::server {
 namespace {
@@ -15,15 +16,8 @@ namespace fs = std::filesystem;
 class RetentionTest : public testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lightwell-test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
     jobs_ = std::make_unique<JobStore>(folder_ / "jobs.sqlite");
     blobs_ = std::make_unique<BlobStore>(folder_ / "blobs");
-  }
-  void TearDown() override {
-    jobs_.reset(), blobs_.reset();
-    fs::remove_all(folder_);
   }
   std::string blob(char letter) {
     const std::string bytes(1000, letter);
@@ -42,7 +36,8 @@ class RetentionTest : public testing::Test {
     return std::make_unique<Retention>(folder_ / "tasks", folder_ / "uploads", *blobs_, *jobs_,
                                        RetentionLimits{max_bytes, keep_s, 1e9, 1e9});
   }
-  fs::path folder_;
+  test::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
   std::unique_ptr<JobStore> jobs_;
   std::unique_ptr<BlobStore> blobs_;
 };

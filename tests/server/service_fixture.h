@@ -20,7 +20,6 @@ class ServiceTest : public FolderTest {
   }
   void TearDown() override {
     daemon_.reset();
-    FolderTest::TearDown();
   }
   /// A room in a file of that name; `albedo` makes rooms differ.
   std::string scene(const std::string& name, double albedo = 0.5) const {

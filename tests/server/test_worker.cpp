@@ -7,7 +7,7 @@
 #include <new>
 #include <vector>
 
-#include "server/work/worker.h"
+#include "server/execution/worker.h"
 
 namespace {
 

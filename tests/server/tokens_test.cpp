@@ -5,24 +5,21 @@
 
 #include <fstream>
 
+#include "tests/support/temporary_folder.h"
+
 namespace lightwell::server {
 namespace {
 namespace fs = std::filesystem;
 
 class TokensTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lightwell-test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   fs::path file(const std::string& content) {
     std::ofstream(folder_ / "tokens") << content;
     fs::permissions(folder_ / "tokens", fs::perms::owner_read | fs::perms::owner_write);
     return folder_ / "tokens";
   }
-  fs::path folder_;
+  test::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 TEST_F(TokensTest, NamesAndTokens) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/temporary_folder.h"
+
 namespace lightwell::server {
 namespace {
 namespace fs = std::filesystem;
@@ -10,16 +12,9 @@ namespace fs = std::filesystem;
 class UploadsTest : public testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lightwell-test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
     jobs_ = std::make_unique<JobStore>(folder_ / "jobs.sqlite");
     blobs_ = std::make_unique<BlobStore>(folder_ / "blobs");
     uploads_ = std::make_unique<Uploads>(folder_ / "uploads", *blobs_, *jobs_, UploadLimits{5000, 8000}, [this](uint64_t) { return room_; });
-  }
-  void TearDown() override {
-    uploads_.reset(), blobs_.reset(), jobs_.reset();
-    fs::remove_all(folder_);
   }
   FailureId failureOf(const std::function<void()>& body) {
     try {
@@ -29,7 +24,8 @@ class UploadsTest : public testing::Test {
     }
     return FailureId::internal;
   }
-  fs::path folder_;
+  test::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
   std::unique_ptr<JobStore> jobs_;
   std::unique_ptr<BlobStore> blobs_;
   std::unique_ptr<Uploads> uploads_;

@@ -135,17 +135,15 @@ LinkedGroups linkGroups(const EntryClusters& clusters, const MultiBounce& multi_
     }
     if (lost2 > double(options.prune_error) * options.prune_error * signal2) break;
   }
-  // Their light is carried by groups that are lit alike, as it is: evenly spread light keeps its energy exactly.
+  // Their light is carried by groups that are lit alike, as it is: evenly spread light keeps its energy exactly. Without one a group stays.
   for (size_t i = pruned; i < importance.size(); ++i) linked.kept[importance[i].second] = 1;
   for (size_t i = 0; i < pruned; ++i) {
     const uint32_t group = importance[i].second;
-    for (size_t k = size_t(group) * StandIns::kMost; k < size_t(group + 1) * StandIns::kMost; ++k) {
-      const uint32_t other = training.stand_ins.group[k];
-      if (other == kNone) break;
-      if (!linked.kept[other]) continue;
-      for (auto& matrix : linked.coordinates) matrix.col(other) += matrix.col(group);
-      break;
-    }
+    const auto alike = std::span(training.stand_ins.group).subspan(size_t(group) * StandIns::kMost, StandIns::kMost);
+    const auto other = std::find_if(alike.begin(), alike.end(), [&](uint32_t g) { return g != kNone && linked.kept[g]; });
+    if (importance[i].first == 0) continue;  // no light at all
+    if (other == alike.end()) linked.kept[group] = 1;
+    else for (auto& matrix : linked.coordinates) matrix.col(*other) += matrix.col(group);
   }
   return linked;
 }

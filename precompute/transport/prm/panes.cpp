@@ -66,7 +66,7 @@ std::vector<WalkVertex> virtualLightWalks(const scene::Scene& scene, const atlas
     rays.clear();
     alive.clear();
     for (auto& walk : walks) {
-      vertices.push_back({walk.group, walk.point.position, walk.point.normal, walk.point.geometric_normal, walk.flux_rgb});
+      vertices.push_back({walk.group, walk.point.position, walk.point.normal, walk.flux_rgb});
       const float albedo = luminance(walk.albedo_rgb);
       if (sampler.get1D(walk.number, 8 + 4 * bounce) >= albedo) continue;
       walk.flux_rgb /= albedo;

@@ -12,7 +12,7 @@ std::vector<Rgb> gatherPanes(std::span<const uint32_t> slots, const Gatherer& ga
 /// A diffuse virtual light of a walk that started at an entry point of unit irradiance.
 struct WalkVertex {
   uint32_t cluster;        // of the entry point that the walk started from, as in PrmEntries
-  Vec3 position, normal, geometric_normal;
+  Vec3 position, normal;
   Rgb exitant_rgb;         // flux it reflects; the irradiance it gives is exitant_rgb / π × geometric term
 };
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "server/store/blob_store.h"
-#include "server/work/jobs.h"
-#include "server/work/worker_process.h"
+#include "server/execution/jobs.h"
+#include "server/execution/worker_process.h"
 
 namespace lightwell::server {
 

@@ -1,4 +1,4 @@
-#include "server/work/framing.h"
+#include "server/execution/framing.h"
 
 #include <unistd.h>
 

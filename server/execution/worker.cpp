@@ -1,4 +1,4 @@
-#include "server/work/worker.h"
+#include "server/execution/worker.h"
 
 #include <fcntl.h>
 #include <pthread.h>
@@ -15,8 +15,8 @@
 
 #include "precompute/bake/run.h"
 #include "server/store/blob_store.h"
-#include "server/work/framing.h"
-#include "server/work/preview.h"
+#include "server/execution/framing.h"
+#include "server/execution/preview.h"
 
 namespace lightwell::server {
 namespace {

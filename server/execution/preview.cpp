@@ -1,4 +1,4 @@
-#include "server/work/preview.h"
+#include "server/execution/preview.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC

@@ -1,4 +1,4 @@
-#include "server/work/scheduler.h"
+#include "server/execution/scheduler.h"
 
 #include <signal.h>
 

@@ -1,4 +1,4 @@
-#include "server/work/jobs.h"
+#include "server/execution/jobs.h"
 
 #include "server/failure.h"
 #include "server/job/job_state.h"

@@ -1,4 +1,4 @@
-#include "server/work/worker_process.h"
+#include "server/execution/worker_process.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -12,7 +12,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "server/work/worker.h"
+#include "server/execution/worker.h"
 
 namespace lightwell::server {
 namespace {

@@ -1,7 +1,7 @@
 // lightwell_worker: started by lightwelld, one for each job. Not meant to be started by hand.
 #include <cstdio>
 
-#include "server/work/worker.h"
+#include "server/execution/worker.h"
 
 int main(int argc, char**) {
   if (argc > 1) {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "lightwell/v1/service_worker.pb.h"
-#include "server/work/framing.h"
+#include "server/execution/framing.h"
 
 namespace lightwell::server {
 
