@@ -13,6 +13,7 @@ struct EnvironmentTasks {
 /// `context` must have a sky and outlive the graph. With `measure`, the answers are compared with quadrature over the map.
 EnvironmentTasks addEnvironmentTasks(TaskGraph& graph, const BakeContext& context, const plan::Settings& settings, bool measure);
 
+/// The output of the task `baked`. Both throw a std::exception for bytes that no such task wrote.
 transport::Environment readEnvironment(const Blob& baked);
 
 /// What is stored is off by this much, unoccluded.
