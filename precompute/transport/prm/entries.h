@@ -5,7 +5,7 @@
 #include "precompute/trace/tracer.h"
 #include "precompute/transport/prm/partition.h"
 #include "precompute/transport/prm/prm.h"
-#include "precompute/transport/prm/sides.h"
+#include "precompute/transport/sides.h"
 
 namespace lightwell::transport {
 

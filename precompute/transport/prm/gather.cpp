@@ -2,22 +2,12 @@
 
 #include <algorithm>
 
-#include "precompute/core/random.h"
+#include "precompute/transport/side_rays.h"
 
 namespace lightwell::transport {
 namespace {
 
 constexpr uint64_t kSideStream = 1ull << 40, kMeanStream = 2ull << 40;  // owners of random streams never meet
-
-/// Appends the cosine-distributed ray of `sample`; none when it would leave below the geometric surface.
-void appendRay(const atlas::SurfacePoint& point, const Vec2& u, uint32_t key, std::vector<trace::Ray>& rays) {
-  Vec3 tangent, bitangent;
-  orthonormalBasis(point.normal, tangent, bitangent);
-  const Vec3 local = sampleCosineHemisphere(u);
-  const Vec3 direction = (tangent * local.x + bitangent * local.y + point.normal * local.z).normalized();
-  if (direction.dot(point.geometric_normal) <= 0.0f) return;
-  rays.push_back({.origin = trace::Tracer::offsetOrigin(point.position, point.geometric_normal, direction), .direction = direction, .key = key});
-}
 
 }  // namespace
 
@@ -47,13 +37,7 @@ GatherRow Gatherer::trace(std::span<const trace::Ray> rays, uint32_t denominator
 }
 
 std::vector<trace::Ray> Gatherer::sideRays(uint32_t side, uint32_t rays) const {
-  const Sampler sampler(seed_, kSideStream + side);
-  std::vector<trace::Ray> list;
-  list.reserve(rays);
-  for (uint32_t i = 0; i < rays; ++i)
-    appendRay(sampleSide(scene_.mesh, atlas_, sides_, side, sampler.get1D(i, 0), sampler.get2D(i, 1)), sampler.get2D(i, 2),
-              mixBits(combineKeys(kSideStream + side, i)), list);
-  return list;
+  return cosineRays(scene_.mesh, atlas_, sides_, {&side, 1}, rays, seed_, kSideStream + side);
 }
 
 GatherRow Gatherer::side(uint32_t side, uint32_t rays) const { return trace(sideRays(side, rays), rays); }
@@ -72,19 +56,7 @@ Rgb Gatherer::emittedIrradiance(uint32_t side, uint32_t rays) const {
 }
 
 std::vector<trace::Ray> Gatherer::meanRays(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {
-  const Sampler sampler(seed_, kMeanStream + owner);
-  std::vector<double> cumulative(members.size());
-  double total = 0;
-  for (size_t i = 0; i < members.size(); ++i) cumulative[i] = total += atlas_.slots[sides_.slot[members[i]]].area;
-  std::vector<trace::Ray> list;
-  list.reserve(rays);
-  for (uint32_t i = 0; i < rays; ++i) {
-    const double target = total * (i + 0.5) / rays;
-    const size_t chosen = std::min<size_t>(std::upper_bound(cumulative.begin(), cumulative.end(), target) - cumulative.begin(), members.size() - 1);
-    appendRay(sampleSide(scene_.mesh, atlas_, sides_, members[chosen], sampler.get1D(i, 0), sampler.get2D(i, 1)), sampler.get2D(i, 2),
-              mixBits(combineKeys(kMeanStream + owner, i)), list);
-  }
-  return list;
+  return cosineRays(scene_.mesh, atlas_, sides_, members, rays, seed_, kMeanStream + owner);
 }
 
 GatherRow Gatherer::mean(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {

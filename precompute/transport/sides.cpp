@@ -1,4 +1,4 @@
-#include "precompute/transport/prm/sides.h"
+#include "precompute/transport/sides.h"
 
 namespace lightwell::transport {
 

@@ -1,0 +1,105 @@
+#include "precompute/transport/radiosity/solve.h"
+
+#include <Eigen/Dense>
+#include <deque>
+
+namespace lightwell::transport {
+namespace {
+
+constexpr size_t kHistory = 8;  // sweeps that the acceleration combines
+
+using Vector = Eigen::VectorXd;  // one channel
+
+/// One channel of the system.
+class Channel {
+ public:
+  Channel(const RadiosityLinks& links, const PatchTree& tree, int channel) : links_(links), tree_(tree), channel_(channel) {}
+
+  Vector gather(const Vector& radiosity) const {
+    Vector node(tree_.nodeCount());
+    node.head(radiosity.size()) = radiosity;
+    for (uint32_t i = uint32_t(radiosity.size()); i < tree_.nodeCount(); ++i) {
+      const uint32_t index = i - uint32_t(radiosity.size());
+      double sum = 0, area = 0;
+      for (uint32_t child = tree_.first_child[index]; child < tree_.first_child[index + 1]; ++child) {
+        sum += node[child] * tree_.area[child];
+        area += tree_.area[child];
+      }
+      node[i] = sum / area;
+    }
+    Vector irradiance(links_.rows());
+    for (uint32_t row = 0; row < links_.rows(); ++row) {
+      double sum = 0;
+      for (uint32_t l = links_.first[row]; l < links_.first[row + 1]; ++l) sum += linkWeight(links_.code[l]) * node[links_.node[l]];
+      irradiance[row] = sum * links_.row_scale[row];
+    }
+    return irradiance;
+  }
+
+  Vector of(std::span<const Rgb> colors) const {
+    Vector values(Eigen::Index(colors.size()));
+    for (size_t i = 0; i < colors.size(); ++i) values[Eigen::Index(i)] = colors[i][channel_];
+    return values;
+  }
+
+ private:
+  const RadiosityLinks& links_;
+  const PatchTree& tree_;
+  int channel_;
+};
+
+}  // namespace
+
+RadiositySolution solveRadiosity(const RadiosityLinks& links, const PatchTree& tree, std::span<const Rgb> albedo_rgb, std::span<const Rgb> direct_rgb,
+                                 std::span<const Rgb> emitted_rgb, double tolerance, uint32_t most_sweeps) {
+  RadiositySolution solution;
+  solution.irradiance_rgb.assign(links.rows(), Rgb(0.0f));
+  for (int c = 0; c < 3; ++c) {
+    const Channel channel(links, tree, c);
+    const Vector albedo = channel.of(albedo_rgb), source = albedo.cwiseProduct(channel.of(direct_rgb)) + channel.of(emitted_rgb);
+    Vector x = Vector::Zero(links.rows());
+    std::deque<Vector> x_change, g_change;
+    Vector last_x, last_g, last_f;
+    uint32_t sweeps = 0;
+    double residual = 0;
+    while (sweeps < most_sweeps) {
+      const Vector g = channel.gather(albedo.cwiseProduct(x) + source);
+      const Vector f = g - x;
+      ++sweeps;
+      residual = g.norm() > 0 ? f.norm() / g.norm() : 0.0;
+      if (residual <= tolerance) {
+        x = g;
+        break;
+      }
+      if (last_g.size() > 0) {
+        x_change.push_back(f - last_f);
+        g_change.push_back(g - last_g);
+        if (x_change.size() > kHistory) x_change.pop_front(), g_change.pop_front();
+      }
+      last_g = g, last_f = f;
+      x = g;
+      if (!x_change.empty()) {
+        Eigen::MatrixXd differences(f.size(), Eigen::Index(x_change.size()));
+        for (size_t i = 0; i < x_change.size(); ++i) differences.col(Eigen::Index(i)) = x_change[i];
+        const Vector gamma = differences.colPivHouseholderQr().solve(f);
+        for (size_t i = 0; i < x_change.size(); ++i) x -= gamma[Eigen::Index(i)] * g_change[i];
+      }
+    }
+    solution.sweeps = std::max(solution.sweeps, sweeps);
+    solution.residual = std::max(solution.residual, residual);
+    for (uint32_t i = 0; i < links.rows(); ++i) solution.irradiance_rgb[i][c] = float(x[i]);
+  }
+  return solution;
+}
+
+std::vector<Rgb> gatherOnce(const RadiosityLinks& links, const PatchTree& tree, std::span<const Rgb> radiosity_rgb) {
+  std::vector<Rgb> result(links.rows(), Rgb(0.0f));
+  for (int c = 0; c < 3; ++c) {
+    const Channel channel(links, tree, c);
+    const Vector gathered = channel.gather(channel.of(radiosity_rgb));
+    for (uint32_t i = 0; i < links.rows(); ++i) result[i][c] = float(gathered[i]);
+  }
+  return result;
+}
+
+}  // namespace lightwell::transport
