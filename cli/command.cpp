@@ -55,6 +55,33 @@ void addEnvironment(CLI::App& command, std::optional<fs::path>& file, plan::Envi
       ->check(CLI::Range(0.0f, plan::kMostRadiance));
 }
 
+void addEnvironmentLight(CLI::App& command, render::EnvironmentSettings& settings) {
+  const std::map<std::string, uint32_t> techniques{{"share", LW_ENVIRONMENT_SHARE},
+                                                   {"sum", LW_ENVIRONMENT_SUM},
+                                                   {"paper", LW_ENVIRONMENT_SUM_PAPER},
+                                                   {"unshadowed", LW_ENVIRONMENT_UNSHADOWED}};
+  command
+      .add_option("--environment-technique", settings.technique,
+                   "Light of a sky: its exact light less the share of the hidden cells (share), the sum of the visible cells (sum, or paper with "
+                   "the paper's reflectivity), or unshadowed; without it share")
+      ->transform(CLI::CheckedTransformer(techniques))
+      ->type_name("NAME");
+  command
+      .add_option("--environment-cells", settings.cells,
+                   "Use only so many cells of the sky, the brightest, which then stand for all; 0: all")
+      ->check(CLI::Range(0u, 4096u))
+      ->type_name("N")
+      ->capture_default_str();
+  command.add_option("--environment-map-size", settings.map_texels, "Texels along a side of each cell's depth map")
+      ->check(CLI::Range(16u, 2048u))
+      ->type_name("N")
+      ->capture_default_str();
+  command.add_option("--environment-sun-map-size", settings.sun_map_texels, "Texels along a side of a sun's depth map")
+      ->check(CLI::Range(16u, 4096u))
+      ->type_name("N")
+      ->capture_default_str();
+}
+
 void addOutput(CLI::App& command, fs::path& output, const std::string& what) {
   command.add_option("-o,--output", output, what)->required()->type_name("FILE");
 }

@@ -10,6 +10,7 @@
 #include "cli/console.h"
 #include "cli/interrupt.h"
 #include "precompute/plan/settings.h"
+#include "render/environment_light.h"
 
 namespace lightwell::cli {
 
@@ -42,6 +43,8 @@ void addThreads(CLI::App& command, int& threads);
 void addLights(CLI::App& command, std::optional<std::filesystem::path>& lights);
 /// --environment FILE and how it is placed: --environment-rotation, --environment-intensity, --environment-ground.
 void addEnvironment(CLI::App& command, std::optional<std::filesystem::path>& file, plan::EnvironmentPlacement& placement);
+/// How OpenGL shows the light of a sky: --environment-technique, -cells, -map-size, -sun-map-size.
+void addEnvironmentLight(CLI::App& command, render::EnvironmentSettings& settings);
 /// -o, required. Throws UsageError from checkWritable() below before any work is done.
 void addOutput(CLI::App& command, std::filesystem::path& output, const std::string& what);
 

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/environment_evaluator.h"
 #include "cli/irradiance_image.h"
 #include "cli/prm_evaluator.h"
 #include "format/encode/reader.h"
@@ -21,18 +22,19 @@ struct Options {
   std::optional<fs::path> lights;
   std::optional<uint32_t> brightest;
   uint32_t samples = 64;
+  render::EnvironmentSettings environment;
   int threads = 0;
 };
 
-void checkHasPrm(const format::Reader& reader) {
-  if (reader.has("prm")) return;
+void checkHas(const std::string& section, const Options& options, const format::Reader& reader) {
+  if (reader.has(section)) return;
   std::string why;
   if (reader.has("meta", "header")) {
     const auto meta = reader.meta();  // lives as long as the loop over its field
     for (const auto& omitted : meta.omitted())
-      if (omitted.type() == "prm") why = ": " + omitted.reason();
+      if (omitted.type() == section) why = ": " + omitted.reason();
   }
-  throw UsageError("--technique prm: " + reader.file() + " has no section prm" + why);
+  throw UsageError("--technique " + options.technique + ": " + reader.file() + " has no section " + section + why);
 }
 
 /// Direct irradiance from the lights, path-traced (one segment) in the container's own geometry; one value per slot.
@@ -45,14 +47,46 @@ std::vector<Rgb> lightOfLamps(Session& session, const Options& options, const ba
       .irradiance_rgb;
 }
 
+/// What the section "prm" adds, one value per slot. `sky`: LW_SKY_… bits that it may add.
+std::vector<Rgb> lightOfTransport(Session& session, const Options& options, Component component, uint32_t sky, const RuntimeContainer& runtime,
+                                  const bake::ContainerScene& container, const trace::Tracer& tracer) {
+  PrmEvaluation evaluation{.container = runtime, .scene = container.scene, .tracer = tracer, .lights = {}, .brightest = options.brightest};
+  if (component != Component::direct) {
+    evaluation.lights = container.scene.lights;
+    evaluation.emitters |= LW_EMITTERS_INDIRECT | (sky & LW_SKY_INDIRECT);
+  }
+  if (component != Component::indirect) evaluation.emitters |= LW_EMITTERS_DIRECT | (sky & LW_SKY_DIRECT);
+  session.console.progress("transport", "transport …");
+  const std::vector<float> atlas_rgba = options.evaluator == "gl" ? evaluatePrmOnGl(evaluation) : evaluatePrmOnCpu(evaluation);
+  std::vector<Rgb> irradiance_rgb;
+  for (const atlas::Slot& slot : container.atlas.slots) {
+    const float* texel = &atlas_rgba[size_t(slot.texel) * 4];
+    irradiance_rgb.push_back({texel[0], texel[1], texel[2]});
+  }
+  return irradiance_rgb;
+}
+
+std::vector<Rgb> lightOfSky(Session& session, const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container,
+                            const trace::Tracer& tracer) {
+  ProgressMeter meter(session.console, "sky");
+  const EnvironmentEvaluation evaluation{.container = runtime, .scene = container, .tracer = tracer, .samples = options.samples,
+                                         .settings = options.environment, .threads = options.threads, .cancel = &session.interrupt.flag(),
+                                         .progress = [&](double fraction) { meter.update(fraction); }};
+  return options.evaluator == "gl" ? evaluateEnvironmentOnGl(evaluation) : evaluateEnvironmentOnCpu(evaluation);
+}
+
 void run(Session& session, const Options& options) {
   checkWritable(options.output);
-  if (options.technique != "prm")
-    throw UsageError("--technique: this version cannot evaluate \"" + options.technique + "\" yet; it evaluates prm");
+  const bool by_cells = options.technique == "environment";
+  if (!by_cells && options.technique != "prm")
+    throw UsageError("--technique: this version cannot evaluate \"" + options.technique + "\" yet; it evaluates prm and environment");
   checkReadable(options.container);
   if (options.lights) checkReadable(*options.lights);
+  const Component component = componentNamed(options.component);
   const format::Reader reader(options.container);
-  checkHasPrm(reader);
+  checkHas(options.technique, options, reader);
+  checkHas("geometry", options, reader);
+  if (component == Component::indirect) checkHas("prm", options, reader);
   Diagnostics diagnostics;
   session.console.progress("open", "open …");
   bake::ContainerScene container = bake::loadContainerScene(reader, diagnostics);
@@ -61,24 +95,19 @@ void run(Session& session, const Options& options) {
   const trace::Tracer tracer(container.scene, options.threads);
   session.interrupt.flag().check();
 
-  const Component component = componentNamed(options.component);
   const RuntimeContainer runtime(options.container);
-  if (options.brightest && reader.prm().layout() != v1::PRM_LAYOUT_PANES)
+  if (options.brightest && reader.has("prm") && reader.prm().layout() != v1::PRM_LAYOUT_PANES)
     throw UsageError("--brightest: " + reader.file() + " has local bases, which are always summed whole; only panes can be left out");
-  PrmEvaluation evaluation{.container = runtime, .scene = container.scene, .tracer = tracer, .lights = {}, .brightest = options.brightest};
-  if (component != Component::direct) {
-    evaluation.lights = container.scene.lights;
-    evaluation.emitters |= LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT;
-  }
-  if (component != Component::indirect) evaluation.emitters |= LW_EMITTERS_DIRECT | LW_SKY_DIRECT;
-  session.console.progress("transport", "transport …");
-  const std::vector<float> atlas_rgba = options.evaluator == "gl" ? evaluatePrmOnGl(evaluation) : evaluatePrmOnCpu(evaluation);
 
   const int size = container.atlas.width;
   std::vector<Rgb> irradiance_rgb(container.atlas.slots.size(), Rgb(0.0f));
-  if (component != Component::indirect && !container.scene.lights.empty()) irradiance_rgb = lightOfLamps(session, options, container, tracer);
-  for (size_t slot = 0; slot < irradiance_rgb.size(); ++slot)
-    for (int i = 0; i < 3; ++i) irradiance_rgb[slot][i] += atlas_rgba[size_t(container.atlas.slots[slot].texel) * 4 + i];
+  const auto add = [&](const std::vector<Rgb>& part_rgb) {
+    for (size_t slot = 0; slot < irradiance_rgb.size(); ++slot) irradiance_rgb[slot] += part_rgb[slot];
+  };
+  if (component != Component::indirect && !container.scene.lights.empty()) add(lightOfLamps(session, options, container, tracer));
+  if (by_cells && component != Component::indirect) add(lightOfSky(session, options, runtime, container, tracer));
+  const uint32_t sky = by_cells ? LW_SKY_INDIRECT : LW_SKY_INDIRECT | LW_SKY_DIRECT;
+  if (reader.has("prm")) add(lightOfTransport(session, options, component, sky, runtime, container, tracer));
   const ImageRgba image = imageOfSlots(container.scene.mesh, container.atlas, size, irradiance_rgb);
   writeOutput(session, options.output, [&] { writeExr(options.output, image); });
   session.console.line(options.output.string() + ": " + options.component + " irradiance of " +
@@ -92,10 +121,11 @@ void addEvaluate(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand("evaluate", "What the runtime makes of a container, as an atlas of irradiance");
   command->add_option("container", options->container, "Container to evaluate")->required()->type_name("OUT.lwc");
   addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered (half of it, or a sliver's)");
-  command->add_option("--technique", options->technique, "Section to evaluate; now: prm")
+  command->add_option("--technique", options->technique, "prm: transport of lamps, and what it holds of a sky; environment: the same, but a sky lights straight "
+                   "through its cells, shadowed one by one")
       ->required()
       ->type_name("NAME")
-      ->check(CLI::IsMember({"prm", "radiosity", "vpl", "lightmap"}));
+      ->check(CLI::IsMember({"prm", "environment", "radiosity", "vpl", "lightmap"}));
   command->add_option("--evaluator", options->evaluator, "cpu, or gl (OpenGL 3.3 without a window)")
       ->type_name("NAME")
       ->check(CLI::IsMember({"cpu", "gl"}))
@@ -107,12 +137,14 @@ void addEvaluate(CLI::App& app, Session& session) {
       ->type_name("K")
       ->check(CLI::Range(0u, 1u << 20));
   addLights(*command, options->lights);
-  command->add_option("--samples", options->samples, "Points of each texel at which direct light is sampled")
+  command->add_option("--samples", options->samples, "Points of each texel at which light of lamps and cells is sampled")
       ->type_name("N")
       ->check(CLI::Range(1u, 1u << 20))
       ->capture_default_str();
+  addEnvironmentLight(*command, options->environment);
   addThreads(*command, options->threads);
-  command->footer(R"(Only the container is needed: shadows are ray-traced in its geometry, also for gl.
+  command->footer(R"(Only the container is needed: shadows are ray-traced in its geometry, also for gl, except those of a sky's cells: these are rays on the CPU
+and depth maps on OpenGL, where --environment-technique and the rest apply.
 
 Examples:
   lightwell evaluate room.lwc --technique prm --evaluator cpu --component indirect -o indirect.exr

@@ -1,5 +1,4 @@
 // lightwell render: a picture of a container, drawn with OpenGL as a game would.
-#include <map>
 #include <memory>
 
 #include "cli/command.h"
@@ -58,30 +57,7 @@ void addRender(CLI::App& app, Session& session) {
   command->add_option("--camera", options->camera, "Where to look from (docs/cli.md)")->required()->type_name("CAM.json");
   addLights(*command, options->lights);
   addOutput(*command, options->output, "PNG to write");
-  const std::map<std::string, uint32_t> techniques{{"share", LW_ENVIRONMENT_SHARE},
-                                                   {"sum", LW_ENVIRONMENT_SUM},
-                                                   {"paper", LW_ENVIRONMENT_SUM_PAPER},
-                                                   {"unshadowed", LW_ENVIRONMENT_UNSHADOWED}};
-  command
-      ->add_option("--environment-technique", options->environment.technique,
-                   "Light of a sky: its exact light less the share of the hidden cells (share), the sum of the visible cells (sum, or paper with "
-                   "the paper's reflectivity), or unshadowed; without it share")
-      ->transform(CLI::CheckedTransformer(techniques))
-      ->type_name("NAME");
-  command
-      ->add_option("--environment-cells", options->environment.cells,
-                   "Use only so many cells of the sky, the brightest, which then stand for all; 0: all")
-      ->check(CLI::Range(0u, 4096u))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--environment-map-size", options->environment.map_texels, "Texels along a side of each cell's depth map")
-      ->check(CLI::Range(16u, 2048u))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--environment-sun-map-size", options->environment.sun_map_texels, "Texels along a side of a sun's depth map")
-      ->check(CLI::Range(16u, 4096u))
-      ->type_name("N")
-      ->capture_default_str();
+  addEnvironmentLight(*command, options->environment);
   command->footer(R"(The camera is a file such as
   {"eye": [0, 1.7, 4], "target": [0, 1, 0], "vertical_fov_deg": 60, "width": 1280, "height": 720, "exposure": "auto", "mode": "full"}
 

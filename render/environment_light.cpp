@@ -47,6 +47,7 @@ EnvironmentLight::EnvironmentLight(const lw_container* container, lw_gl* gl, con
   const uint32_t cells = lw_gl_environment_cells(made);
   surface_program_ = Program(kSceneVertexGlsl, withSky(cells, std::string(kAlphaGlsl) + lw_glsl_source(LW_GLSL_ATLAS) + kEnvironmentFragmentGlsl));
   background_program_ = Program(kBackgroundVertexGlsl, withSky(cells, kBackgroundFragmentGlsl));
+  point_program_ = Program(kScreenVertexGlsl, withSky(cells, kEnvironmentPointFragmentGlsl));
 }
 
 void EnvironmentLight::update() {
@@ -87,6 +88,48 @@ void EnvironmentLight::drawBackground(const Float3& forward, const Float3& right
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);
   glEnable(GL_DEPTH_TEST);
+}
+
+std::vector<Float3> EnvironmentLight::irradianceAt(std::span<const EnvironmentPoint> points) const {
+  constexpr int kWidth = 1024, kMostRows = 256;
+  std::vector<Float3> irradiance;
+  irradiance.reserve(points.size());
+  for (size_t first = 0; first < points.size(); first += size_t(kWidth) * kMostRows) {
+    const auto part = points.subspan(first, std::min(points.size() - first, size_t(kWidth) * kMostRows));
+    const int rows = int((part.size() + kWidth - 1) / kWidth);
+    constexpr int kFields = 3;
+    std::vector<float> values[kFields];
+    for (auto& list : values) list.resize(size_t(rows) * kWidth * 3);
+    for (size_t i = 0; i < part.size(); ++i) {
+      const Float3* const fields[kFields] = {&part[i].position_m, &part[i].facing, &part[i].normal};
+      for (size_t f = 0; f < kFields; ++f) std::copy_n(fields[f]->data(), 3, &values[f][i * 3]);
+    }
+    const Texture target = makeTexture2D(GL_RGBA32F, kWidth, rows, GL_RGBA, GL_FLOAT, nullptr, GL_NEAREST);
+    Texture textures[kFields];
+    for (size_t f = 0; f < kFields; ++f)
+      textures[f] = makeTexture2D(GL_RGB32F, kWidth, rows, GL_RGB, GL_FLOAT, values[f].data(), GL_NEAREST);
+    const Framebuffer framebuffer = Framebuffer::make();
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, target, 0);
+    glViewport(0, 0, kWidth, rows);
+    for (const GLenum off : {GL_SCISSOR_TEST, GL_BLEND, GL_DEPTH_TEST, GL_CULL_FACE}) glDisable(off);
+    bindTo(point_program_);
+    point_program_.use();
+    constexpr const char* kNames[kFields] = {"positions", "facings", "normals"};
+    for (int f = 0; f < kFields; ++f) {
+      point_program_.set(kNames[f], f);
+      glBindSampler(GLuint(f), 0);
+      bindTexture(f, GL_TEXTURE_2D, textures[f]);
+    }
+    glBindVertexArray(no_attributes_);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glBindVertexArray(0);
+    std::vector<float> rgba(size_t(rows) * kWidth * 4);
+    glReadPixels(0, 0, kWidth, rows, GL_RGBA, GL_FLOAT, rgba.data());
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    for (size_t i = 0; i < part.size(); ++i) irradiance.push_back({rgba[i * 4], rgba[i * 4 + 1], rgba[i * 4 + 2]});
+  }
+  return irradiance;
 }
 
 }  // namespace lightwell::render

@@ -2,6 +2,8 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "lightwell/lightwell_gl.h"
 #include "render/scene_mesh.h"
@@ -16,6 +18,11 @@ struct EnvironmentSettings {
   uint32_t sun_map_texels = 1024;             // of a sun's
 };
 
+/// A point that a sky lights. `facing`: unit, the surface's true normal; `normal`: unit, the one it is shaded with.
+struct EnvironmentPoint {
+  Float3 position_m, facing, normal;  // relative to the container's origin
+};
+
 class EnvironmentLight {
  public:
   /// Uploads the section "environment". `gl` and `mesh` must outlive this. Throws RenderError.
@@ -27,6 +34,8 @@ class EnvironmentLight {
   void drawBackground(const Float3& forward, const Float3& right, const Float3& up, float exposure) const;
   /// Binds the sky for `surfaceProgram`, whose other uniforms are those of the renderer's programs.
   void bind() const;
+  /// Irradiance at any points, computed as on the surfaces of a picture; waits for the GPU. Changes framebuffer, viewport, program.
+  std::vector<Float3> irradianceAt(std::span<const EnvironmentPoint> points) const;
   const Program& surfaceProgram() const { return surface_program_; }
 
  private:
@@ -39,7 +48,7 @@ class EnvironmentLight {
   const SceneMesh& mesh_;
   EnvironmentSettings settings_;
   std::unique_ptr<lw_gl_environment, Destroy> environment_;
-  Program depth_program_, surface_program_, background_program_;
+  Program depth_program_, surface_program_, background_program_, point_program_;
   VertexArray no_attributes_;
   bool has_maps_ = false;
 };

@@ -160,6 +160,18 @@ void main() {
 }
 )";
 
+const char* const kEnvironmentPointFragmentGlsl = R"(
+uniform sampler2D positions, facings, normals;   // one texel for each point
+out vec4 color;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec3 normal = texelFetch(normals, at, 0).xyz;
+  color = vec4(0.0);
+  if (dot(normal, normal) > 0.0)
+    color.rgb = lwEnvironmentDiffuse(texelFetch(positions, at, 0).xyz, texelFetch(facings, at, 0).xyz, normal);
+}
+)";
+
 const char* const kBackgroundVertexGlsl = R"(
 uniform vec3 forward, right, up;
 out vec3 v_direction;

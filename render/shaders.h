@@ -10,6 +10,7 @@ extern const char* const kDepthFragmentGlsl;    // shadow maps
 extern const char* const kBaseFragmentGlsl;     // atlas irradiance and emission
 extern const char* const kLightFragmentGlsl;    // one light with its shadow map; #define SHADOW_CUBE for a cube map
 extern const char* const kEnvironmentFragmentGlsl;  // the light of the sky, LW_GLSL_ENVIRONMENT before it
+extern const char* const kEnvironmentPointFragmentGlsl;
 extern const char* const kBackgroundVertexGlsl;     // one triangle over the target, a direction for each pixel
 extern const char* const kBackgroundFragmentGlsl;   // the sky itself, LW_GLSL_ENVIRONMENT before it
 extern const char* const kLampVertexGlsl;       // a glow that faces the camera

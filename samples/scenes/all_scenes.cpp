@@ -3,8 +3,8 @@
 namespace lightwell::samples {
 
 std::vector<SampleScene> makeAllScenes() {
-  return {makeCornellBox(false),   makeCornellBox(true), makeMarbleChamber(), makeCorridorDoor(),
-          makeColonnadeCourtyard(), makeSkySpheres(),     makeWindowRoom()};
+  return {makeCornellBox(false),    makeCornellBox(true), makeMarbleChamber(),  makeCorridorDoor(),
+          makeColonnadeCourtyard(), makeSkySpheres(),     makeSphereOnPlane(), makeWindowRoom()};
 }
 
 }  // namespace lightwell::samples

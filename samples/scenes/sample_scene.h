@@ -63,6 +63,7 @@ SampleScene makeMarbleChamber();
 SampleScene makeCorridorDoor();
 SampleScene makeColonnadeCourtyard();
 SampleScene makeSkySpheres();
+SampleScene makeSphereOnPlane();
 SampleScene makeWindowRoom();
 /// All of them.
 std::vector<SampleScene> makeAllScenes();

@@ -119,6 +119,23 @@ TEST_F(CliEnvironmentTest, AnOpenRoomIsLitAndAClosedOneIsNot) {
   }
 }
 
+/// The cells' light on surfaces, by rays and by depth maps, is what paths find.
+TEST_F(CliEnvironmentTest, CellsLightAnOpenRoomAsPathsDo) {
+  run({"bake", path("open.gltf"), "--environment", path("day.hdr"), "--lightmap-size", "24", "--quality", "draft", "-o", path("o.lwc")});
+  for (const std::string component : {"direct", "total"}) {
+    run({"reference", path("open.gltf"), "--environment", path("day.hdr"), "--component", component, "--lightmap-size", "24", "--samples", "256", "-o",
+         path("r.exr")});
+    const double truth = meanOf("r.exr");
+    for (const char* evaluator : {"cpu", "gl"}) {
+      run({"evaluate", path("o.lwc"), "--technique", "environment", "--evaluator", evaluator, "--component", component, "--samples", "8", "-o",
+           path("e.exr")});
+      EXPECT_NEAR(meanOf("e.exr"), truth, 0.04 * truth) << component << " " << evaluator;
+    }
+  }
+  run({"bake", "--environment", path("sky.hdr"), "--environment-samples", "16", "-o", path("s.lwc")});
+  expectFailure({"evaluate", path("s.lwc"), "--technique", "environment", "-o", path("e.exr")}, 2, "no section geometry");
+}
+
 TEST_F(CliEnvironmentTest, ABlackSkyIsLeftOut) {
   const json report = runJson({"bake", path("open.gltf"), "--environment", path("black.hdr"), "--lightmap-size", "16", "--quality", "draft", "-o",
                                path("o.lwc"), "--json"}, "bake");

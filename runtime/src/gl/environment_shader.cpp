@@ -156,20 +156,19 @@ float lwCellVisibility(int i, vec3 direction, vec3 tangent, vec3 bitangent, vec3
   vec2 slope = vec2(dot(facing, tangent) * half_side.x, dot(facing, bitangent) * half_side.y) * steep;  // depth for a texel
   float bias = 0.1 * (abs(slope.x) + abs(slope.y)) + 0.1 * max(half_side.x, half_side.y) / (half_side.z * inner) + 4e-5;
   vec2 texel = (at.xy * inner + side) * 0.5 - 0.5;
-  int wide = lw_way.y == 1 ? 2 : 3;
-  vec2 first = clamp(floor(wide == 2 ? texel : texel - 0.5), vec2(0.0), vec2(side - float(wide)));
-  vec2 part = clamp(wide == 2 ? texel - first : texel - 0.5 - first, 0.0, 1.0);
-  ivec2 corner = ivec2(place % maps.x * maps.y, place / maps.x * maps.y + maps.z) + ivec2(first);
-  float depth = at.z * 0.5 + 0.5 + dot(slope, first - texel) - bias, lit = 0.0;
-  for (int y = 0; y < wide; ++y) {
-    float row = 0.0;
-    for (int x = 0; x < wide; ++x) {
-      float weight = x == 0 ? 1.0 - part.x : x == wide - 1 ? part.x : 1.0;
-      if (depth + slope.x * float(x) + slope.y * float(y) <= texelFetch(lw_depth, corner + ivec2(x, y), 0).r) row += weight;
-    }
-    lit += row * (y == 0 ? 1.0 - part.y : y == wide - 1 ? part.y : 1.0);
+  ivec2 corner = ivec2(place % maps.x * maps.y, place / maps.x * maps.y + maps.z);
+  float depth = at.z * 0.5 + 0.5 - bias, lit = 0.0;
+  for (int tap = 0; tap < lw_way.y; ++tap) {
+    vec2 moved = texel + (lw_way.y == 1 ? vec2(0.0) : vec2(ivec2(tap & 1, tap >> 1)) - 0.5);
+    vec2 first = clamp(floor(moved), vec2(0.0), vec2(side - 2.0)), part = clamp(moved - first, 0.0, 1.0);
+    ivec2 here = corner + ivec2(first);
+    vec4 stored = vec4(texelFetch(lw_depth, here, 0).r, texelFetch(lw_depth, here + ivec2(1, 0), 0).r,
+                       texelFetch(lw_depth, here + ivec2(0, 1), 0).r, texelFetch(lw_depth, here + ivec2(1, 1), 0).r);
+    vec4 free = step(depth + dot(slope, first - texel) + vec4(0.0, slope.x, slope.y, slope.x + slope.y), stored);
+    vec2 row = mix(free.xz, free.yw, part.x);
+    lit += mix(row.x, row.y, part.y);
   }
-  return wide == 2 ? lit : 0.25 * lit;
+  return lw_way.y == 1 ? lit : 0.25 * lit;
 }
 
 vec3 lwVisibleShare(vec3 hidden, vec3 all) { return clamp(1.0 - hidden / max(all, vec3(1e-30)), 0.0, 1.0); }
@@ -244,24 +243,31 @@ LwEnvironmentLight lwEnvironmentShadowed(vec3 position, vec3 facing, vec3 normal
   bool glossy = any(greaterThan(weight, vec4(0.0))), by_share = lw_way.x == 0;
   vec3 irradiance = vec3(0.0), lobe = vec3(0.0), all_irradiance = vec3(0.0), all_lobe = vec3(0.0);
   vec3 hidden_irradiance = vec3(0.0), hidden_lobe = vec3(0.0), tangent, bitangent;
-  for (int i = 0; i < lw_count.x; ++i) {
+  for (int i = 0; ; ++i) {
+    // Cells whose centre is below the surface are hidden by it and need no depth map. About a normal such a cell says nothing of its light
+    // above: that is hidden as much as the rest is.
+    for (; i < lw_count.x && dot(facing, lw_cell[3 * i].xyz) <= 0.0; ++i)
+      if (glossy && by_share && i >= lw_count.y) {
+        LwCell below = lwCell(i);
+        lwBasis(below.direction, tangent, bitangent);
+        vec3 light = below.flux * lwAverageLobes(below, tangent, bitangent, mirror, shininess, weight);
+        all_lobe += light;
+        hidden_lobe += light;
+      }
+    if (i >= lw_count.x) break;
     LwCell cell = lwCell(i);
-    bool above = dot(facing, cell.direction) > 0.0;
     lwBasis(cell.direction, tangent, bitangent);
     float cosine = lwAverageCosine(cell, tangent, bitangent, normal);
     float average = glossy ? lwAverageLobes(cell, tangent, bitangent, mirror, shininess, weight) : 0.0;
     if (cosine + average <= 0.0) continue;
-    float visible = !above ? 0.0 : lwCellVisibility(i, cell.direction, tangent, bitangent, position, facing);
+    float visible = lwCellVisibility(i, cell.direction, tangent, bitangent, position, facing);
     if (!by_share || i < lw_count.y) {
       irradiance += cell.flux * (cosine * visible);
       lobe += cell.flux * (average * visible);
       continue;
     }
-    // A cell whose centre is below the surface says nothing about its light above it: that is hidden as much as the rest is.
-    if (above) {
-      all_irradiance += cell.flux * cosine;
-      hidden_irradiance += cell.flux * (cosine * (1.0 - visible));
-    }
+    all_irradiance += cell.flux * cosine;
+    hidden_irradiance += cell.flux * (cosine * (1.0 - visible));
     all_lobe += cell.flux * average;
     hidden_lobe += cell.flux * (average * (1.0 - visible));
   }
