@@ -81,7 +81,7 @@ void run(Session& session, Options& options) {
   listener.stage = [&](const std::string& stage) { console.progress(stage, stage + " …"); };
   listener.warning = [&](const Warning& warning) { console.warning(warning); };
   listener.progress = [&](const bake::Progress& p, uint64_t rays) { console.progress(p.phase, progressLine(p, rays)); };
-  listener.announce = [&](const std::string& text) { console.line(text); };
+  listener.attempts.announce = [&](const std::string& text) { console.line(text); };
   bake::Baked baked = bake::runBake(options.bake.request, *store, run_diagnostics, session.interrupt.flag(), listener);
   writeOutput(session, options.output, [&] { format::writeFileAtomically(options.output, *baked.outcome.container); });
   baked.report.seconds = secondsSince(begin);

@@ -30,7 +30,7 @@ struct Options {
 using Action = std::function<v1::Job(server::Client&)>;
 
 void printJobs(Session& session, const Options& options) {
-  server::Client client(options.service.client, session.interrupt.flag());
+  server::Client client = connect(session, options.service);
   v1::ListJobsRequest request;
   request.set_label(options.label);
   for (const auto& state : options.states) request.add_states(kStates.at(state));
@@ -50,7 +50,7 @@ void printJobs(Session& session, const Options& options) {
 }
 
 void act(Session& session, const Options& options, const Action& action) {
-  server::Client client(options.service.client, session.interrupt.flag());
+  server::Client client = connect(session, options.service);
   const v1::Job job = action(client);
   if (options.service.json) printJson(server::jobJson(job));
 }

@@ -26,6 +26,10 @@ std::string progressLine(const v1::Job& job) {
   if (p.tasks_total()) line += ", " + std::to_string(p.tasks_done()) + " of " + std::to_string(p.tasks_total()) + " tasks";
   if (p.tasks_reused()) line += " (" + std::to_string(p.tasks_reused()) + " reused)";
   if (p.rays_per_second() > 0) line += ", " + formatCount(p.rays_per_second()) + " rays/s";
+  if (p.has_relrmse()) {
+    std::snprintf(head, sizeof head, ", error %.2g %%", 100 * p.relrmse());
+    line += head;
+  }
   line += ", " + formatDuration(p.elapsed_s());
   if (p.eta_s() >= 1) line += ", about " + formatDuration(p.eta_s()) + " left";
   return line;
@@ -46,6 +50,12 @@ void addServiceOptions(CLI::App& command, ServiceOptions& options) {
   CLI::Option* key = command.add_option("--tls-key", options.client.tls_key, "Its key (PEM)")->type_name("FILE")->group(group);
   certificate->needs(key);
   key->needs(certificate);
+}
+
+server::Client connect(Session& session, const ServiceOptions& options) {
+  server::ClientOptions client = options.client;
+  client.waiting = [&session](const std::string& what) { session.console.line(what); };
+  return server::Client(client, session.interrupt.flag());
 }
 
 v1::Job watchJob(Session& session, server::Client& client, const ServiceOptions& options, const std::string& id) {

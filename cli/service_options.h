@@ -15,6 +15,9 @@ struct ServiceOptions {
 /// --server (or the environment variable LIGHTWELL_SERVER), --token-file, --tls-….
 void addServiceOptions(CLI::App& command, ServiceOptions& options);
 
+/// A connection that says on the terminal when it waits for the server. `session` must outlive it.
+server::Client connect(Session& session, const ServiceOptions& options);
+
 /// Shows a job's progress until it ends; warnings once each. On Ctrl-C says how to come back, and throws Cancelled.
 v1::Job watchJob(Session& session, server::Client& client, const ServiceOptions& options, const std::string& id);
 

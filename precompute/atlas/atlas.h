@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "precompute/atlas/grow.h"
 #include "precompute/core/diagnostics.h"
 #include "precompute/scene/scene.h"
 
@@ -55,6 +56,7 @@ struct AtlasOptions {
   int size = 256;           // width = height
   int padding_texels = 2;   // at least so many free texels between generated charts, and between them and charts of the scene
   float chart_normal_deviation = 0.7f;  // radians between triangles of a generated chart and its plane, in [0, 1.4]; leftovers 1.5 times
+  ChartSource charts;       // empty: grown here, on the threads of the call
 };
 
 /// Uses TEXCOORD_1 where it is sound, exactly as given, else unwraps (reported); vertices of `scene.mesh` may be duplicated along chart

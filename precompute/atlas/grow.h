@@ -1,5 +1,7 @@
 // Charts of a mesh without light-map coordinates: connected triangles that face one way and do not cover each other when projected.
 #pragma once
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "precompute/atlas/plane.h"
@@ -20,5 +22,10 @@ struct Chart {
 /// not overlap. A few triangles left over between charts may deviate by half more; slivers, whose normals mean nothing, join any
 /// chart. Deterministic.
 std::vector<Chart> growCharts(const scene::Mesh& mesh, const scene::Object& object, float normal_deviation);
+
+/// The charts of the listed objects (indices into Scene::objects), one list each, in their order: what growCharts() gives, wherever it
+/// was computed.
+using ChartSource =
+    std::function<std::vector<std::vector<Chart>>(const scene::Scene& scene, std::span<const size_t> objects, float normal_deviation)>;
 
 }  // namespace lightwell::atlas

@@ -1,6 +1,7 @@
 #include "precompute/atlas/unwrap.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <string>
@@ -38,11 +39,15 @@ void reportProblems(const scene::Scene& scene, const UvCheck& check, Diagnostics
 void grow(const scene::Scene& scene, const std::vector<size_t>& objects, const AtlasOptions& options, int threads,
           std::vector<ObjectCharts>& grown) {
   const float deviation = std::clamp(options.chart_normal_deviation, 0.0f, 1.4f);
-  parallelFor(objects.size(), 1, threads, nullptr, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      ObjectCharts& object = grown[objects[i]];
-      if (object.charts.empty()) object.charts = growCharts(scene.mesh, scene.objects[objects[i]], deviation);
-    }
+  std::vector<size_t> missing;
+  std::copy_if(objects.begin(), objects.end(), std::back_inserter(missing), [&](size_t i) { return grown[i].charts.empty(); });
+  if (options.charts) {
+    auto charts = options.charts(scene, missing, deviation);
+    for (size_t i = 0; i < missing.size(); ++i) grown[missing[i]].charts = std::move(charts.at(i));
+    return;
+  }
+  parallelFor(missing.size(), 1, threads, nullptr, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) grown[missing[i]].charts = growCharts(scene.mesh, scene.objects[missing[i]], deviation);
   });
 }
 

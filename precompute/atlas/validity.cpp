@@ -1,6 +1,6 @@
 #include "precompute/atlas/validity.h"
 
-#include <vector>
+#include <algorithm>
 
 #include "precompute/atlas/sources.h"
 #include "precompute/core/parallel.h"
@@ -27,32 +27,44 @@ trace::Ray rayFrom(const scene::Mesh& mesh, const Atlas& atlas, const Slot& slot
 
 }  // namespace
 
+std::vector<uint8_t> validSlots(const Atlas& atlas, const scene::Scene& scene, const trace::Tracer& tracer, uint64_t seed, size_t first,
+                                size_t end) {
+  std::vector<trace::Ray> rays;
+  rays.reserve((end - first) * kRays);
+  for (size_t i = first; i < end; ++i) {
+    const Sampler sampler(combineKeys(seed, kStream), atlas.slots[i].texel);
+    for (uint32_t s = 0; s < kRays; ++s)
+      rays.push_back(rayFrom(scene.mesh, atlas, atlas.slots[i], sampler, s, mixBits(combineKeys(atlas.slots[i].texel, s))));
+  }
+  std::vector<trace::Hit> hits(rays.size());
+  tracer.closest(rays, hits);
+  std::vector<uint8_t> valid(end - first);
+  for (size_t i = 0; i < valid.size(); ++i) {
+    uint32_t back = 0;
+    for (uint32_t s = 0; s < kRays; ++s) {
+      const trace::Hit& hit = hits[i * kRays + s];
+      if (hit.triangle != kNone && !hit.front && !scene.materials[scene.mesh.triangle_material[hit.triangle]].double_sided) ++back;
+    }
+    valid[i] = float(back) <= kBuriedShare * kRays;
+  }
+  return valid;
+}
+
+ValidityReport fillInvalid(Atlas& atlas, std::span<const uint8_t> valid) {
+  ValidityReport report;
+  for (const uint8_t v : valid) report.buried += !v;
+  report.unfilled = fillSources(atlas, {valid.begin(), valid.end()});
+  return report;
+}
+
 ValidityReport fillInvalid(Atlas& atlas, const scene::Scene& scene, const trace::Tracer& tracer, uint64_t seed, int threads,
                            const CancelFlag* cancel) {
-  std::vector<uint8_t> valid(atlas.slots.size(), 1);
-  parallelFor(atlas.slots.size(), 64, threads, cancel, [&](size_t begin, size_t end) {
-    std::vector<trace::Ray> rays;
-    rays.reserve((end - begin) * kRays);
-    for (size_t i = begin; i < end; ++i) {
-      const Sampler sampler(combineKeys(seed, kStream), atlas.slots[i].texel);
-      for (uint32_t s = 0; s < kRays; ++s)
-        rays.push_back(rayFrom(scene.mesh, atlas, atlas.slots[i], sampler, s, mixBits(combineKeys(atlas.slots[i].texel, s))));
-    }
-    std::vector<trace::Hit> hits(rays.size());
-    tracer.closest(rays, hits);
-    for (size_t i = begin; i < end; ++i) {
-      uint32_t back = 0;
-      for (uint32_t s = 0; s < kRays; ++s) {
-        const trace::Hit& hit = hits[(i - begin) * kRays + s];
-        if (hit.triangle != kNone && !hit.front && !scene.materials[scene.mesh.triangle_material[hit.triangle]].double_sided) ++back;
-      }
-      valid[i] = float(back) <= kBuriedShare * kRays;
-    }
+  std::vector<uint8_t> valid(atlas.slots.size());
+  parallelFor(valid.size(), 64, threads, cancel, [&](size_t begin, size_t end) {
+    const auto part = validSlots(atlas, scene, tracer, seed, begin, end);
+    std::copy(part.begin(), part.end(), valid.begin() + ptrdiff_t(begin));
   });
-  ValidityReport report;
-  for (uint8_t v : valid) report.buried += !v;
-  report.unfilled = fillSources(atlas, valid);
-  return report;
+  return fillInvalid(atlas, valid);
 }
 
 }  // namespace lightwell::atlas

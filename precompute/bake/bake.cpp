@@ -23,7 +23,7 @@ v1::MetaHeader metaOf(const BakeContext& context, const std::vector<plan::Omitte
   }
   provenance.set_scene_name(file.filename().string());
   KeyHasher hasher;
-  if (context.facts().has_scene) provenance.set_scene_hash(hasher.add(context.surfaceKey()).add(context.lightKey()).finish().low);
+  if (context.facts().has_scene) provenance.set_scene_hash(hasher.add(context.keys().surfaces).add(context.keys().lights).finish().low);
   provenance.set_settings_json(plan::canonicalJson(options.settings));
   provenance.set_time_limited(options.time_limited);
   for (const auto& warning : options.warnings) {
@@ -97,13 +97,13 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
 
 const char* productVersion() { return LIGHTWELL_VERSION; }
 
-BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options) {
+BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options, TaskRunner& tasks) {
   BakeGraph result{TaskGraph(productVersion()), 0, {}};
   plan::Plan plan = plan::makePlan(context.facts(), options.settings);
   const transport::PrmSettings prm_settings = prmSettings(options.settings);
   std::shared_ptr<const transport::PrmBaker> baker;
   if (plan.prm) {
-    baker = std::make_shared<transport::PrmBaker>(context.scene(), context.atlas(), *context.tracer(), prm_settings);
+    baker = makePrmBaker(context, prm_settings, tasks);
     if (baker->blockCount() == 0 || baker->groupCount() == 0) {
       plan.prm = plan.prm_sky = false;
       plan.omitted.push_back({"prm", "every texel lies inside or behind other surfaces"});
@@ -132,7 +132,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options)
 
   const v1::MetaHeader meta = metaOf(context, plan.omitted, options);
   const std::string parameters =
-      context.surfaceKey().hex() + context.lightKey().hex() + context.skyKey().hex() + meta.SerializeAsString();
+      context.keys().surfaces.hex() + context.keys().lights.hex() + context.skyKey().hex() + meta.SerializeAsString();
   const double texels = double(context.settings().lightmap_size) * context.settings().lightmap_size;
   result.container = result.graph.add(
       {"container", "container", "container", parameters, inputs, texels + 1,

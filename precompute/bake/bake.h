@@ -25,7 +25,8 @@ struct GraphOptions {
   uint32_t test_lights = 0;      // the PRM's error is measured with so many lights; 0: not
   bool time_limited = false;     // stored: the quality was chosen by the clock
 };
-BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options);
+/// `tasks` runs what the graph's form depends on.
+BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options, TaskRunner& tasks);
 
 struct SectionSize {
   std::string type;

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numbers>
 
+#include "precompute/atlas/validity.h"
+#include "precompute/bake/atlas_tasks.h"
 #include "precompute/scene/import.h"
 
 namespace lightwell::bake {
@@ -10,48 +13,10 @@ namespace {
 
 constexpr int kSkyGridWidth = 2048;  // columns of the sky's working resolution at most
 
-template <class T>
-void addVector(KeyHasher& hasher, const std::vector<T>& values) {
-  static_assert(std::is_standard_layout_v<T>);
-  hasher.addArray(values.data(), values.size());
-}
-
-Key hashSurfaces(const scene::Scene& scene, const plan::Settings& settings) {
-  const scene::Mesh& mesh = scene.mesh;
-  KeyHasher hasher;
-  hasher.add(settings.lightmap_size).add(settings.seed).add(scene.metres_per_unit);
-  addVector(hasher, mesh.positions);
-  addVector(hasher, mesh.normals);
-  addVector(hasher, mesh.base_uv);
-  addVector(hasher, mesh.emissive_uv);
-  addVector(hasher, mesh.lightmap_uv);
-  addVector(hasher, mesh.colors);
-  addVector(hasher, mesh.triangles);
-  addVector(hasher, mesh.triangle_material);
-  addVector(hasher, mesh.triangle_object);
-  for (const auto& m : scene.materials)
-    hasher.addArray(&m.base_color, 1).add(m.alpha).add(m.base_color_texture).addArray(&m.emissive, 1).add(m.emissive_texture)
-        .add(m.alpha_mode).add(m.alpha_cutoff).add(m.double_sided).add(m.unlit);
-  for (const auto& t : scene.textures) {
-    hasher.add(t.width).add(t.height).add(t.wrap_u).add(t.wrap_v);
-    addVector(hasher, t.rgba);
-  }
-  return hasher.finish();
-}
-
-Key hashLights(const scene::Scene& scene) {
-  KeyHasher hasher;
-  hasher.add(scene.origin_m.x).add(scene.origin_m.y).add(scene.origin_m.z).add(scene.metres_per_unit);
-  for (const auto& light : scene.lights)
-    hasher.add(light.type).add(light.name).addArray(&light.position, 1).addArray(&light.direction, 1).addArray(&light.intensity, 1)
-        .add(light.inner_cone_angle).add(light.outer_cone_angle).add(light.range);
-  return hasher.finish();
-}
-
 Key hashSky(const transport::SkyGrid& grid) {
   KeyHasher hasher;
   hasher.add(grid.width).add(grid.height).addArray(grid.frame.data(), grid.frame.size());
-  addVector(hasher, grid.flux_rgb);
+  hasher.addArray(grid.flux_rgb.data(), grid.flux_rgb.size());
   return hasher.finish();
 }
 
@@ -94,8 +59,12 @@ transport::EnvironmentMap openPlacedMap(const std::filesystem::path& file, const
 }
 
 BakeContext::BakeContext(const SceneSource& source, const plan::Settings& settings, int threads, Diagnostics& diagnostics,
-                         const CancelFlag& cancel, const std::function<void(const std::string&)>& stage)
+                         const CancelFlag& cancel, const std::function<void(const std::string&)>& stage, TaskRunner* tasks)
     : settings_(settings), threads_(threads) {
+  ThreadExecutor own_executor(threads);
+  NullStore own_store;
+  TaskRunner own_tasks(own_executor, own_store, {.cancel = &cancel});
+  TaskRunner& runner = tasks ? *tasks : own_tasks;
   checkSource(source, settings);
   const auto timed = [&](const char* name, const auto& body) {
     cancel.check();
@@ -121,17 +90,19 @@ BakeContext::BakeContext(const SceneSource& source, const plan::Settings& settin
     const scene::FileTable* files = source.files ? &*source.files : nullptr;
     scene_ = scene::importGltf(source.scene, {.light_units = settings.light_units, .files = files}, diagnostics);
     if (source.lights) scene::replaceLights(scene_, *source.lights, diagnostics, files);
-    surface_key_ = hashSurfaces(scene_, settings);
-    light_key_ = hashLights(scene_);
+    keys_ = sceneKeys(scene_, settings);
   });
   if (scene_.mesh.triangles.empty()) {
     diagnostics.warn("", "the scene has no surfaces: there is nothing to bake");
     return;
   }
-  timed("atlas", [&] { atlas_ = atlas::buildAtlas(scene_, {.size = settings.lightmap_size}, diagnostics); });
+  timed("atlas", [&] {
+    const atlas::AtlasOptions options{.size = settings.lightmap_size, .charts = chartTasks(runner)};
+    atlas_ = atlas::buildAtlas(scene_, options, diagnostics, threads);
+  });
   timed("acceleration", [&] { tracer_ = std::make_unique<trace::Tracer>(scene_, threads); });
   timed("validity", [&] {
-    const auto report = atlas::fillInvalid(atlas_, scene_, *tracer_, settings.seed, threads, &cancel);
+    const auto report = atlas::fillInvalid(atlas_, validSlotTasks(runner, keys_, atlas_, scene_, *tracer_, settings.seed));
     if (report.buried)
       diagnostics.warn("", std::to_string(report.buried) + " of " + std::to_string(atlas_.slots.size()) +
                                " texels lie inside or behind other surfaces; they show the light of their nearest valid neighbour" +

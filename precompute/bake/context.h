@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "precompute/atlas/atlas.h"
-#include "precompute/atlas/validity.h"
-#include "precompute/bake/executor.h"
+#include "precompute/bake/scene_keys.h"
+#include "precompute/bake/task_runner.h"
 #include "precompute/plan/plan.h"
 #include "precompute/scene/file_table.h"
 #include "precompute/trace/tracer.h"
@@ -35,10 +35,11 @@ void checkSource(const SceneSource& source, const plan::Settings& settings);
 
 class BakeContext {
  public:
-  /// Reads the environment map, imports the scene, lays out the atlas, builds the tracer and finds buried texels. `stage`, if set, is called with the name of each
-  /// stage before it begins. Throws InputError, UsageError or Cancelled. `diagnostics` receives the repairs in a deterministic order.
+  /// Reads the environment map, imports the scene, lays out the atlas, builds the tracer and finds buried texels. `stage`, if set, is
+  /// called with the name of each stage before it begins. What is worth keeping of that is run by `tasks`; null: here, and not kept.
+  /// Throws InputError, UsageError or Cancelled. `diagnostics` receives the repairs in a deterministic order.
   BakeContext(const SceneSource& source, const plan::Settings& settings, int threads, Diagnostics& diagnostics, const CancelFlag& cancel,
-              const std::function<void(const std::string&)>& stage = {});
+              const std::function<void(const std::string&)>& stage = {}, TaskRunner* tasks = nullptr);
 
   const scene::Scene& scene() const { return scene_; }
   /// Empty (0 × 0) when the scene has no surfaces.
@@ -55,10 +56,8 @@ class BakeContext {
   const plan::Settings& settings() const { return settings_; }
   const plan::SceneFacts& facts() const { return facts_; }
 
-  /// Hash of surfaces, materials and textures as imported, and of the settings that shape the atlas: all that light transport depends on.
-  const Key& surfaceKey() const { return surface_key_; }
-  /// Hash of the punctual lights and of the scene's place in the world.
-  const Key& lightKey() const { return light_key_; }
+  /// What of the scene tasks depend on: each names in its parameters the least of them that holds all it reads.
+  const SceneKeys& keys() const { return keys_; }
   /// Hash of the sky's light as it is placed; all zero without an environment map.
   const Key& skyKey() const { return sky_key_; }
   /// Wall-clock seconds of the stages.
@@ -74,7 +73,8 @@ class BakeContext {
   std::unique_ptr<transport::SkyLight> sky_light_;
   std::string environment_name_;
   int threads_;
-  Key surface_key_, light_key_, sky_key_;
+  SceneKeys keys_;
+  Key sky_key_;
   std::vector<PhaseTime> stage_times_;
 };
 

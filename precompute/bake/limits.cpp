@@ -1,6 +1,7 @@
 #include "precompute/bake/limits.h"
 
 #include <algorithm>
+#include <array>
 
 namespace lightwell::bake {
 namespace {
@@ -15,9 +16,9 @@ constexpr uint32_t kTestLights = 16;
 
 class Attempts {
  public:
-  Attempts(const BakeContext& context, const Limits& limits, const std::vector<Warning>& warnings, Executor& executor, ResultStore& store,
-           const RunOptions& options)
-      : context_(context), limits_(limits), executor_(executor), store_(store), options_(options), warnings_(warnings) {}
+  Attempts(const BakeContext& context, const Limits& limits, const std::vector<Warning>& warnings, TaskRunner& tasks,
+           const AttemptListener& listener)
+      : context_(context), limits_(limits), tasks_(tasks), listener_(listener), warnings_(warnings) {}
 
   /// Replaces the outcome; its phases and counts add up over attempts. Throws DeadlinePassed, keeping the last outcome.
   void run(const plan::Settings& settings, bool time_limited, Clock::time_point deadline) {
@@ -25,16 +26,16 @@ class Attempts {
         makeBakeGraph(context_, {.settings = settings,
                                  .warnings = warnings_,
                                  .test_lights = settings.quality != plan::Quality::draft || limits_.target_error ? kTestLights : 0,
-                                 .time_limited = time_limited});
-    RunOptions options = options_;
-    options.deadline = deadline;
-    const RunResult result = executor_.run(graph.graph, std::array{graph.container}, store_, options);
+                                 .time_limited = time_limited},
+                      tasks_);
+    const RunResult result = tasks_.run(graph.graph, std::array{graph.container}, deadline);
     outcome.container = result.goals[0];
     outcome.omitted = graph.omitted;
     outcome.settings = settings;
     outcome.time_limited = time_limited;
-    outcome.tasks_run += result.tasks_run;
-    outcome.tasks_reused += result.tasks_reused;
+    outcome.tasks_run = tasks_.tasksRun();
+    outcome.tasks_reused = tasks_.tasksReused();
+    if (const auto measured = error(); measured && listener_.measured) listener_.measured(*measured);
     for (const auto& phase : result.phases) {
       const auto known = std::find_if(outcome.phases.begin(), outcome.phases.end(), [&](const auto& p) { return p.name == phase.name; });
       if (known == outcome.phases.end())
@@ -56,9 +57,8 @@ class Attempts {
  private:
   const BakeContext& context_;
   const Limits& limits_;
-  Executor& executor_;
-  ResultStore& store_;
-  const RunOptions& options_;
+  TaskRunner& tasks_;
+  const AttemptListener& listener_;
   const std::vector<Warning>& warnings_;
 };
 
@@ -86,14 +86,13 @@ void runAgainstTheClock(Attempts& attempts, const plan::Settings& wanted, Clock:
 }  // namespace
 
 Outcome bakeWithin(const BakeContext& context, const Limits& limits, const std::vector<Warning>& warnings, Diagnostics& diagnostics,
-                   Executor& executor, ResultStore& store, const RunOptions& options,
-                   const std::function<void(const std::string&)>& announce) {
+                   TaskRunner& tasks, const AttemptListener& listener) {
   const auto say = [&](const std::string& text) {
-    if (announce) announce(text);
+    if (listener.announce) listener.announce(text);
   };
   const auto never = Clock::time_point::max();
   const Clock::time_point deadline = limits.deadline.value_or(never);
-  Attempts attempts(context, limits, warnings, executor, store, options);
+  Attempts attempts(context, limits, warnings, tasks, listener);
   plan::Settings settings = context.settings();
   if (limits.deadline)
     runAgainstTheClock(attempts, settings, deadline, say);

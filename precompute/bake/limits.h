@@ -28,11 +28,15 @@ struct Outcome {
   bool time_limited = false;
 };
 
-/// Runs the graph at the quality of context.settings(), or at those that the limits lead to. `announce` is told, in words, why another
-/// attempt begins. `warnings` (of the scene) go into the container; those about limits that were missed go to `diagnostics`. Throws as
-/// Executor::run, and UsageError.
+/// What is told on the way; members may be empty.
+struct AttemptListener {
+  std::function<void(const std::string&)> announce;   // why another attempt begins, in words
+  std::function<void(double relrmse)> measured;       // after each attempt that measured the error of its PRM
+};
+
+/// Runs the graph at the quality of context.settings(), or at those that the limits lead to. `warnings` (of the scene) go into the
+/// container; those about limits that were missed go to `diagnostics`. Throws as Executor::run, and UsageError.
 Outcome bakeWithin(const BakeContext& context, const Limits& limits, const std::vector<Warning>& warnings, Diagnostics& diagnostics,
-                   Executor& executor, ResultStore& store, const RunOptions& options,
-                   const std::function<void(const std::string&)>& announce = {});
+                   TaskRunner& tasks, const AttemptListener& listener);
 
 }  // namespace lightwell::bake

@@ -58,7 +58,7 @@ std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& co
     tasks.push_back(graph.add({"measure/" + std::to_string(i),
                                "measure",
                                "measure",
-                               context.surfaceKey().hex() + " " + std::to_string(context.settings().seed) + " " + std::to_string(i),
+                               context.keys().reflection.hex() + " " + std::to_string(context.settings().seed) + " " + std::to_string(i),
                                {},
                                rays,
                                [&context, dark, i](const TaskInputs& in) {

@@ -1,8 +1,11 @@
 #include "precompute/bake/prm_tasks.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+
+#include "precompute/bake/bake.h"
 
 namespace lightwell::bake {
 namespace {
@@ -10,20 +13,30 @@ namespace {
 // Elements of a stage in one task: a few tenths of a second of work. Part of what names a task, never of what it computes.
 constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 4;
 
-/// Every setting that some stage's bytes depend on.
-std::string parametersOf(const BakeContext& context, const transport::PrmSettings& s) {
-  std::string text = context.surfaceKey().hex();
-  const auto add = [&](auto value) {
-    if constexpr (std::is_same_v<decltype(value), float>)
-      return void(text.append(1, ' ').append(std::to_string(std::bit_cast<uint32_t>(value))));
-    text.append(1, ' ').append(std::to_string(value));
-  };
-  add(int(s.layout)), add(int(s.estimator));
-  add(s.entries.clusters), add(s.entries.groups), add(s.entries.points_per_cluster), add(s.entries.points_per_group);
-  add(s.bases.block_texels), add(s.bases.most_rank), add(s.bases.rank_error), add(s.bases.link_error), add(s.bases.rays);
-  add(s.bases.prune_error), add(s.entries.split_by_visibility), add(s.cluster_rays), add(s.training_lights);
-  add(s.emitter_samples), add(s.walks_per_entry), add(s.seed);
-  return text;
+/// What a task's bytes depend on, as text.
+class Parameters {
+ public:
+  explicit Parameters(const Key& scene) : text_(scene.hex()) {}
+  template <class... Values>
+  Parameters& add(Values... values) {
+    (append(values), ...);
+    return *this;
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  template <class Value>
+  void append(Value value) {
+    if constexpr (std::is_same_v<Value, float>) return append(std::bit_cast<uint32_t>(value));
+    else text_.append(1, ' ').append(std::to_string(int64_t(value)));
+  }
+  std::string text_;
+};
+
+/// The clusters: all stages but the emitters' know the surfaces by them.
+Parameters entryParameters(const Key& scene, const transport::PrmSettings& s) {
+  const transport::EntryOptions& e = s.entries;
+  return Parameters(scene).add(e.clusters, e.groups, e.points_per_cluster, e.points_per_group, e.split_by_visibility, s.seed);
 }
 
 std::vector<ByteView> viewsOf(std::span<const Blob> blobs) {
@@ -81,29 +94,46 @@ transport::PrmSettings prmSettings(const plan::Settings& settings) {
   return prm;
 }
 
+std::shared_ptr<const transport::PrmBaker> makePrmBaker(const BakeContext& context, const transport::PrmSettings& settings, TaskRunner& tasks) {
+  TaskGraph graph(productVersion());
+  const TaskIndex entries =
+      graph.add({"prm/entries", "entries", "prm/entries", entryParameters(context.keys().geometry, settings).text(), {},
+                 double(settings.entries.clusters), [&](const TaskInputs& in) {
+                   return transport::toBytes(transport::makeEntries(context.scene(), context.atlas(), *context.tracer(), settings.entries,
+                                                                    settings.seed, context.threads(), &in.cancel));
+                 }});
+  const auto results = tasks.prepare(graph, std::array{entries});
+  return std::make_shared<transport::PrmBaker>(context.scene(), context.atlas(), *context.tracer(), settings,
+                                               transport::readEntries(*results[0]));
+}
+
 PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transport::PrmSettings& settings,
                      std::shared_ptr<const transport::PrmBaker> baker) {
-  const std::string parameters = parametersOf(context, settings);
   // One task for each piece of [0, count); `stage` is called with the ends of the piece.
-  const auto addRange = [&](const std::string& name, uint32_t count, uint32_t piece, double cost_each, const std::vector<TaskIndex>& inputs,
-                            const auto& stage) {
+  const auto addRange = [&](const std::string& name, const Parameters& parameters, uint32_t count, uint32_t piece, double cost_each,
+                            const std::vector<TaskIndex>& inputs, const auto& stage) {
     std::vector<TaskIndex> tasks;
     for (uint32_t first = 0; first < count; first += piece) {
       const uint32_t end = std::min(count, first + piece);
       tasks.push_back(graph.add({"prm/" + name + "/" + std::to_string(first / piece), name, "prm/" + name,
-                                 parameters + " [" + std::to_string(first) + ", " + std::to_string(end) + ")", inputs,
+                                 parameters.text() + " [" + std::to_string(first) + ", " + std::to_string(end) + ")", inputs,
                                  cost_each * (end - first), [stage, first, end](const TaskInputs& in) { return stage(first, end, in); }}));
     }
     return tasks;
   };
   PrmTasks tasks{baker, {}, {}};
+  const SceneKeys& keys = context.keys();
+  const transport::LocalBasesOptions& bases = settings.bases;
   const double entries = settings.entries.clusters * double(settings.entries.points_per_cluster);
-  const auto bounces = addRange("bounces", baker->groupCount(), kGroupsPerTask, settings.cluster_rays, {},
+  const auto bounces = addRange("bounces", entryParameters(keys.reflection, settings).add(settings.cluster_rays), baker->groupCount(),
+                                kGroupsPerTask, settings.cluster_rays, {},
                                 [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->oneBounce(first, end); });
-  const auto training = addRange("training", baker->trainingLightCount(), kLightsPerTask, entries, {},
+  // A training light does not depend on their number: more of them are made from those that there are.
+  const auto training = addRange("training", entryParameters(keys.geometry, settings), baker->trainingLightCount(), kLightsPerTask, entries, {},
                                  [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->trainingDirect(first, end); });
   if (baker->hasEmitters())
-    tasks.emitter = addRange("emitters", baker->sideCount(), kSidesPerTask, 2.0 * settings.emitter_samples, {},
+    tasks.emitter = addRange("emitters", Parameters(keys.emission).add(settings.emitter_samples, bases.rays, settings.seed), baker->sideCount(),
+                             kSidesPerTask, 2.0 * settings.emitter_samples, {},
                              [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->emitterDirect(first, end); });
 
   std::vector<TaskIndex> solve_inputs = bounces;
@@ -111,13 +141,16 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
   solve_inputs.insert(solve_inputs.end(), tasks.emitter.begin(), tasks.emitter.end());
   const double groups = baker->groupCount();
   const TaskIndex solve = graph.add(
-      {"prm/solve", "solve", "prm/solve", parameters, solve_inputs, std::max(1.0, groups * groups * groups * 1e-3),
-       [baker, bounces = bounces.size(), training = training.size()](const TaskInputs& in) {
+      {"prm/solve", "solve", "prm/solve", entryParameters(keys.geometry, settings).text(), solve_inputs,
+       std::max(1.0, groups * groups * groups * 1e-3), [baker, bounces = bounces.size(), training = training.size()](const TaskInputs& in) {
          const auto views = viewsOf(in.inputs);
          const std::span<const ByteView> all(views);
          return baker->solve(all.first(bounces), all.subspan(bounces, training), all.subspan(bounces + training));
        }});
-  tasks.blocks = addRange("fit", baker->blockCount(), kBlocksPerTask, 4.0 * settings.bases.block_texels * settings.bases.rays, {solve},
+  const Parameters fit = entryParameters(keys.reflection, settings)
+                             .add(settings.layout, settings.estimator, settings.walks_per_entry, bases.block_texels, bases.most_rank,
+                                  bases.rank_error, bases.link_error, bases.prune_error, bases.rays);
+  tasks.blocks = addRange("fit", fit, baker->blockCount(), kBlocksPerTask, 4.0 * bases.block_texels * bases.rays, {solve},
                           [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fit(first, end, *in.inputs[0]); });
   return tasks;
 }

@@ -10,6 +10,10 @@ namespace lightwell::bake {
 /// The estimator's settings for a bake's settings.
 transport::PrmSettings prmSettings(const plan::Settings& settings);
 
+/// With the clusters of entry points as a task of their own, run by `tasks`: how many of them there are says which other tasks there are.
+/// `context` must have a tracer and outlive the baker.
+std::shared_ptr<const transport::PrmBaker> makePrmBaker(const BakeContext& context, const transport::PrmSettings& settings, TaskRunner& tasks);
+
 /// What the section "prm" is assembled from. Outlives the graph's run.
 struct PrmTasks {
   std::shared_ptr<const transport::PrmBaker> baker;

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace lightwell::bake {
 namespace {
@@ -16,9 +17,9 @@ uint64_t peakMemoryBytes() {
   return uint64_t(usage.ru_maxrss) * 1024;
 }
 
-uint64_t raysOf(const BakeContext& context) {
-  if (!context.tracer()) return 0;
-  const auto counts = context.tracer()->counts();
+uint64_t raysOf(const std::optional<BakeContext>& context) {
+  if (!context || !context->tracer()) return 0;
+  const auto counts = context->tracer()->counts();
   return counts.closest + counts.occlusion;
 }
 
@@ -36,18 +37,20 @@ Baked runBake(const Request& request, ResultStore& store, Diagnostics& run_diagn
   const auto begin = Clock::now();
   const Limits limits = limitsOf(request, begin);
   Diagnostics diagnostics;
-  const BakeContext context(request.source, request.settings, request.threads, diagnostics, cancel, listener.stage);
+  ThreadExecutor executor(request.threads);
+  std::optional<BakeContext> context;
+  RunOptions options{.cancel = &cancel};
+  if (listener.progress) options.progress = [&](const Progress& progress) { listener.progress(progress, raysOf(context)); };
+  TaskRunner tasks(executor, store, options);
+  context.emplace(request.source, request.settings, request.threads, diagnostics, cancel, listener.stage, &tasks);
   Baked baked;
   Report& report = baked.report;
   report.warnings = diagnostics.warnings();
   if (listener.warning)
     for (const auto& warning : report.warnings) listener.warning(warning);
-  ThreadExecutor executor(request.threads);
-  RunOptions options{.cancel = &cancel};
-  if (listener.progress) options.progress = [&](const Progress& progress) { listener.progress(progress, raysOf(context)); };
-  baked.outcome = bakeWithin(context, limits, report.warnings, run_diagnostics, executor, store, options, listener.announce);
+  baked.outcome = bakeWithin(*context, limits, report.warnings, run_diagnostics, tasks, listener.attempts);
 
-  report.phases = context.stageTimes();
+  report.phases = context->stageTimes();
   report.phases.insert(report.phases.end(), baked.outcome.phases.begin(), baked.outcome.phases.end());
   const format::Reader reader(*baked.outcome.container);
   report.sections = sectionSizes(reader);

@@ -22,8 +22,8 @@ struct Request {
 struct Listener {
   std::function<void(const std::string& stage)> stage;   // before the tasks: import, atlas, …
   std::function<void(const Warning&)> warning;           // a repair of the scene, as soon as the scene is read
-  std::function<void(const Progress&, uint64_t rays)> progress;
-  std::function<void(const std::string&)> announce;      // why another attempt begins
+  std::function<void(const Progress&, uint64_t rays)> progress;  // tasks of preparing stages included
+  AttemptListener attempts;
 };
 
 /// What a bake tells about itself besides its Outcome.

@@ -29,7 +29,7 @@ std::vector<TaskIndex> addSkyTasks(TaskGraph& graph, const BakeContext& context,
     tasks.push_back(graph.add({"prm/sky/" + std::to_string(first / kSlotsPerTask),
                                "sky",
                                "prm/sky",
-                               context.surfaceKey().hex() + context.skyKey().hex() + " " + std::to_string(samples) + " " +
+                               context.keys().geometry.hex() + context.skyKey().hex() + " " + std::to_string(samples) + " " +
                                    std::to_string(settings.seed) + " [" + std::to_string(first) + ", " + std::to_string(end) + ")",
                                {},
                                2.0 * samples * double(end - first),

@@ -5,7 +5,7 @@
 // shared cache and other executors (worker processes, a cluster) follow from that one property.
 //
 // Heavy immutable inputs (scene, atlas, tracer) are not task results: each process derives them once from the scene's bytes and the
-// settings (BakeContext), and their hash goes into the parameters of the tasks that use them. So (scene bytes, settings, task id) names a
+// settings (BakeContext), and a hash of what a task reads of them goes into its parameters (scene_keys.h). So (scene bytes, settings, task id) names a
 // task for any process: building the same graph again yields the same ids, keys and functions.
 #pragma once
 #include <cstdint>

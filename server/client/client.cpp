@@ -104,7 +104,9 @@ struct Client::Connection {
     v1::ErrorDetail detail;
     detail.ParseFromString(status.error_details());
     const bool unreachable = status.error_code() == grpc::StatusCode::UNAVAILABLE && detail.id() != "shutting_down";
-    if (unreachable) throw ServiceError("", "the server at " + options.server + " cannot be reached (" + status.error_message() + ")", true);
+    if (unreachable)
+      throw ServiceError("", "the server at " + options.server + " cannot be reached (" + status.error_message() + ")" +
+                                 (isLocal(options.server) ? "; lightwelld --data DIR starts one" : ""), true);
     throw ServiceError(detail.id(), options.server + ": " + status.error_message(), false);
   }
 
@@ -112,6 +114,7 @@ struct Client::Connection {
   template <class Call>
   void repeat(const Call& call) {
     auto last_contact = Clock::now();
+    bool waiting = false;
     while (true) {
       cancel.check();
       grpc::ClientContext context;
@@ -128,6 +131,8 @@ struct Client::Connection {
         if (status.ok()) return;
         fail(status);
       }
+      if (!waiting && options.waiting) options.waiting("waiting for a server at " + options.server + " (" + status.error_message() + ")");
+      waiting = true;
       const double silent_s = std::chrono::duration<double>(Clock::now() - last_contact).count();
       if (silent_s > (reached ? options.watch_patience_s : options.patience_s)) fail(status);
       std::this_thread::sleep_for(kBetweenTries);

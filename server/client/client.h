@@ -20,8 +20,9 @@ struct ClientOptions {
   std::optional<std::filesystem::path> token_file;       // the last word of its first line is the token
   std::optional<std::filesystem::path> tls_ca;           // PEM; TLS with servers of this authority
   std::optional<std::filesystem::path> tls_certificate, tls_key;  // of the client itself
-  double patience_s = 3;                                 // how long an unreachable server is called
+  double patience_s = 5;                                 // how long an unreachable server is called: it may be starting
   double watch_patience_s = 60;                          // likewise, for one that was reached before: it may be restarting
+  std::function<void(const std::string& what)> waiting;  // told, once, what is waited for; may be empty
 };
 
 /// The server refused, failed or could not be reached.

@@ -73,7 +73,8 @@ class Reporter {
  private:
   void beat() {
     std::unique_lock lock(mutex_);
-    while (!ended_) {
+    for (bool last = false; !last;) {
+      last = ended_;  // the end is told too
       progress_.set_elapsed_s(std::chrono::duration<double>(Clock::now() - begin_).count());
       progress_.set_memory_bytes(residentBytes());
       const double window_s = std::chrono::duration<double>(Clock::now() - rays_at_).count();
@@ -87,7 +88,7 @@ class Reporter {
       lock.unlock();
       send(event);
       lock.lock();
-      changed_.wait_for(lock, kHeartbeat, [this] { return ended_; });
+      if (!last) changed_.wait_for(lock, kHeartbeat, [this] { return ended_; });
     }
   }
   const Clock::time_point begin_ = Clock::now();
@@ -133,7 +134,8 @@ v1::WorkerEvent bakeJob(const v1::WorkerRequest& request, const CancelFlag& canc
     event.mutable_warning()->set_message(warning.message);
     reporter.send(event);
   };
-  listener.announce = [&](const std::string& text) { fprintf(stderr, "%s\n", text.c_str()); };
+  listener.attempts.announce = [&](const std::string& text) { fprintf(stderr, "%s\n", text.c_str()); };
+  listener.attempts.measured = [&](double relrmse) { reporter.update([&](v1::JobProgress& p) { p.set_relrmse(relrmse); }); };
   listener.progress = [&](const bake::Progress& progress, uint64_t rays) {
     reporter.update([&](v1::JobProgress& p) {
       p.set_phase(progress.phase);

@@ -30,6 +30,61 @@ void append(std::vector<uint8_t>& bytes, const std::vector<T>& values) {
   bytes.insert(bytes.end(), begin, begin + values.size() * sizeof(T));
 }
 
+/// A cube of 0.4 m around the origin, its fronts outward, every side in 5 × 5 squares: positions, then indices.
+std::vector<uint8_t> cube(size_t& corners, size_t& indices_count) {
+  constexpr int kSquares = 5;
+  const std::array<std::array<Corner, 3>, 6> sides{{{{{-1, -1, -1}, {2, 0, 0}, {0, 0, 2}}},
+                                                    {{{-1, 1, -1}, {0, 0, 2}, {2, 0, 0}}},
+                                                    {{{-1, -1, -1}, {0, 0, 2}, {0, 2, 0}}},
+                                                    {{{1, -1, -1}, {0, 2, 0}, {0, 0, 2}}},
+                                                    {{{-1, -1, -1}, {0, 2, 0}, {2, 0, 0}}},
+                                                    {{{-1, -1, 1}, {2, 0, 0}, {0, 2, 0}}}}};
+  std::vector<float> positions;
+  std::vector<uint32_t> indices;
+  for (const auto& [corner, s, t] : sides)
+    for (int a = 0; a < kSquares; ++a)
+      for (int b = 0; b < kSquares; ++b) {
+        const auto first = uint32_t(positions.size() / 3);
+        for (const auto& [da, db] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
+          for (int i = 0; i < 3; ++i)
+            positions.push_back(0.2f * (corner[i] + float(a + da) / kSquares * s[i] + float(b + db) / kSquares * t[i]));
+        for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) indices.push_back(first + i);
+      }
+  std::vector<uint8_t> bytes;
+  append(bytes, positions);
+  append(bytes, indices);
+  corners = positions.size() / 3;
+  indices_count = indices.size();
+  return bytes;
+}
+
+json surfaceMaterial(const char* name, double albedo, double emission) {
+  return {{"name", name},
+          {"pbrMetallicRoughness", {{"baseColorFactor", {albedo, albedo, albedo, 1}}, {"metallicFactor", 0}}},
+          {"emissiveFactor", {emission, emission, emission}}};
+}
+
+void addBoxes(json& gltf, json& roots, const RoomOptions& options) {
+  size_t corners = 0, indices = 0;
+  const std::vector<uint8_t> bytes = cube(corners, indices);
+  const size_t buffer = gltf["buffers"].size(), view = gltf["bufferViews"].size(), accessor = gltf["accessors"].size();
+  gltf["buffers"].push_back({{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}});
+  gltf["bufferViews"].push_back({{"buffer", buffer}, {"byteOffset", 0}, {"byteLength", 12 * corners}});
+  gltf["bufferViews"].push_back({{"buffer", buffer}, {"byteOffset", 12 * corners}, {"byteLength", 4 * indices}});
+  gltf["accessors"].push_back({{"bufferView", view}, {"componentType", 5126}, {"count", corners}, {"type", "VEC3"},
+                               {"min", {-0.2, -0.2, -0.2}}, {"max", {0.2, 0.2, 0.2}}});
+  gltf["accessors"].push_back({{"bufferView", view + 1}, {"componentType", 5125}, {"count", indices}, {"type", "SCALAR"}});
+  for (const bool first : {true, false}) {
+    const char* name = first ? "first box" : "second box";
+    gltf["materials"].push_back(surfaceMaterial(name, first ? options.box_albedo : 0.5, first ? 0.0 : options.box_emission));
+    gltf["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", accessor}}}, {"indices", accessor + 1},
+                                               {"material", gltf["materials"].size() - 1}}}}});
+    roots.push_back(gltf["nodes"].size());
+    gltf["nodes"].push_back({{"name", name}, {"mesh", gltf["meshes"].size() - 1},
+                             {"translation", {first ? options.box_x : 0.5, -0.75, 0.25}}});
+  }
+}
+
 }  // namespace
 
 std::string roomGltf(const RoomOptions& options) {
@@ -69,13 +124,11 @@ std::string roomGltf(const RoomOptions& options) {
         {{"bufferView", 0}, {"componentType", 5126}, {"count", corners}, {"type", "VEC3"}, {"min", {-1, -1, -1}}, {"max", {1, 1, 1}}},
         {{"bufferView", 1}, {"componentType", 5126}, {"count", corners}, {"type", "VEC2"}},
         {{"bufferView", 2}, {"componentType", 5125}, {"count", indices.size()}, {"type", "SCALAR"}}};
-    gltf["materials"] = {
-        {{"name", "wall"},
-         {"pbrMetallicRoughness", {{"baseColorFactor", {options.albedo, options.albedo, options.albedo, 1}}, {"metallicFactor", 0}}},
-         {"emissiveFactor", {options.emission, options.emission, options.emission}}}};
+    gltf["materials"] = json::array({surfaceMaterial("wall", options.albedo, options.emission)});
     gltf["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", 0}, {"TEXCOORD_1", 1}}}, {"indices", 2}, {"material", 0}}}}}};
     roots.push_back(gltf["nodes"].size());
     gltf["nodes"].push_back({{"name", "room"}, {"mesh", 0}});
+    if (options.boxes) addBoxes(gltf, roots, options);
   }
   if (options.lamp_candela > 0) {
     gltf["extensionsUsed"] = {"KHR_lights_punctual"};

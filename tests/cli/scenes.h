@@ -10,6 +10,10 @@ struct RoomOptions {
   double lamp_candela = 0;     // a point light in the middle; 0: none
   bool surfaces = true;
   bool open = false;           // without its ceiling
+  bool boxes = false;          // two cubes of 0.4 m and 300 triangles each on the floor, without light-map coordinates
+  double box_x = -0.5;         // where the first one stands
+  double box_albedo = 0.5;     // of the first one
+  double box_emission = 0;     // radiance of the second one
 };
 
 /// A closed cube of 2 m around the origin, its fronts inward, with light-map coordinates (one chart per wall).

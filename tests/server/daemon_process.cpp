@@ -62,8 +62,8 @@ bool isAlive(pid_t pid) {
   return state != '-' && state != 'Z' && state != 'X';
 }
 
-DaemonProcess::DaemonProcess(const fs::path& data, std::vector<std::string> more, bool test_worker)
-    : data_(data), more_(std::move(more)), test_worker_(test_worker), port_(freePort()), http_port_(freePort()) {
+DaemonProcess::DaemonProcess(const fs::path& data, std::vector<std::string> more, bool test_worker, std::vector<std::string> launcher)
+    : data_(data), more_(std::move(more)), launcher_(std::move(launcher)), test_worker_(test_worker), port_(freePort()), http_port_(freePort()) {
   start();
 }
 
@@ -72,8 +72,9 @@ DaemonProcess::~DaemonProcess() {
 }
 
 void DaemonProcess::start() {
-  std::vector<std::string> words{LIGHTWELLD_PROGRAM, "--data", data_.string(), "--listen", address(),
-                                 "--http", "127.0.0.1:" + std::to_string(http_port_)};
+  std::vector<std::string> words = launcher_;
+  words.insert(words.end(), {LIGHTWELLD_PROGRAM, "--data", data_.string(), "--listen", address(), "--http",
+                             "127.0.0.1:" + std::to_string(http_port_)});
   if (test_worker_) words.insert(words.end(), {"--worker-program", LIGHTWELL_TEST_WORKER});
   words.insert(words.end(), more_.begin(), more_.end());
   std::vector<char*> argv;
@@ -83,7 +84,7 @@ void DaemonProcess::start() {
   pid_ = fork();
   if (pid_ == 0) {
     dup2(open(log_file.c_str(), O_CREAT | O_WRONLY | O_APPEND, 0600), STDERR_FILENO);
-    execv(argv[0], argv.data());
+    execvp(argv[0], argv.data());
     _exit(127);
   }
   // The ports accept once it serves.

@@ -15,8 +15,10 @@ int freePort();
 
 class DaemonProcess {
  public:
-  /// Starts and waits until it serves. `more` are further options; `worker`: the test worker instead of the real one.
-  explicit DaemonProcess(const std::filesystem::path& data, std::vector<std::string> more = {}, bool test_worker = false);
+  /// Starts and waits until it serves. `more` are further options; `test_worker`: instead of the real one; `launcher`: a command that
+  /// becomes the one that follows it.
+  explicit DaemonProcess(const std::filesystem::path& data, std::vector<std::string> more = {}, bool test_worker = false,
+                         std::vector<std::string> launcher = {});
   ~DaemonProcess();
   DaemonProcess(const DaemonProcess&) = delete;
   DaemonProcess& operator=(const DaemonProcess&) = delete;
@@ -41,7 +43,7 @@ class DaemonProcess {
 
  private:
   const std::filesystem::path data_;
-  const std::vector<std::string> more_;
+  const std::vector<std::string> more_, launcher_;
   const bool test_worker_;
   const int port_, http_port_;
   pid_t pid_ = -1;

@@ -38,7 +38,15 @@ class ServiceTest : public FolderTest {
   }
   /// Submits without waiting; the job's id.
   std::string submit(const std::string& scene_file, const std::vector<std::string>& more = {}) const {
-    auto words = submitArguments(scene_file, more);
+    return submitted(submitArguments(scene_file, more));
+  }
+  /// The same with these options of a bake alone.
+  std::string submitAs(const std::string& scene_file, const std::vector<std::string>& bake_options) const {
+    std::vector<std::string> words{"submit", "--server", daemon_->address(), scene_file};
+    words.insert(words.end(), bake_options.begin(), bake_options.end());
+    return submitted(std::move(words));
+  }
+  std::string submitted(std::vector<std::string> words) const {
     words.push_back("--json");
     const Finished finished = lightwell(words);
     EXPECT_EQ(finished.exit_code, 0) << finished.err;
@@ -50,8 +58,13 @@ class ServiceTest : public FolderTest {
   }
   /// The SHA-256 of the container that lightwell bake makes of the same.
   std::string bake(const std::string& scene_file, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words{"bake", scene_file, "-o", path("plain.lwc"), "--lightmap-size", "24", "--quality", "draft"};
-    words.insert(words.end(), more.begin(), more.end());
+    std::vector<std::string> options{"--lightmap-size", "24", "--quality", "draft"};
+    options.insert(options.end(), more.begin(), more.end());
+    return bakeAs(scene_file, options);
+  }
+  std::string bakeAs(const std::string& scene_file, const std::vector<std::string>& options) const {
+    std::vector<std::string> words{"bake", scene_file, "-o", path("plain.lwc")};
+    words.insert(words.end(), options.begin(), options.end());
     EXPECT_EQ(lightwell(words).exit_code, 0);
     return digest(readFile(path("plain.lwc")));
   }

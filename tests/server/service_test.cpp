@@ -78,6 +78,39 @@ TEST_F(Service, OnlyWhatChangedIsBakedAgain) {
   EXPECT_EQ(digest(readFile(path("served.lwc"))), bake(room));
 }
 
+TEST_F(Service, WatchShowsWhatWasReused) {
+  startDaemon();
+  RoomOptions room{.lamp_candela = 10, .boxes = true};
+  const auto change = [&](const char* what, const std::vector<std::string>& more = {}) {
+    writeFile(path("boxes.gltf"), roomGltf(room));
+    std::vector<std::string> options{"--lightmap-size", "48", "--quality", "draft"};
+    options.insert(options.end(), more.begin(), more.end());
+    const std::string job = submitAs(path("boxes.gltf"), options);
+    const Finished watched = client({"watch", job, "--json"});
+    const json done = json::parse(watched.out);
+    EXPECT_EQ(done["progress"]["tasks_reused"], done["result"]["report"]["tasks_reused"]) << what;
+    EXPECT_EQ(done["progress"]["tasks_done"], done["progress"]["tasks_total"]) << what;
+    EXPECT_EQ(client({"fetch", job, "-o", path("served.lwc")}).exit_code, 0);
+    EXPECT_EQ(digest(readFile(path("served.lwc"))), bakeAs(path("boxes.gltf"), options)) << what;
+    const int reused = done["progress"]["tasks_reused"];
+    EXPECT_EQ(watched.err.find("tasks reused") != std::string::npos, reused > 0) << watched.err;
+    return reused;
+  };
+  EXPECT_EQ(change("from nothing"), 0);
+  room.box_albedo = 0.25;
+  EXPECT_GT(change("one material's colour"), 0);
+  room.box_x = -0.4;
+  EXPECT_GT(change("one object moved"), 0);
+  EXPECT_GT(change("only settings of the radiance maps", {"--prm-clusters", "200"}), 0);
+}
+
+TEST_F(Service, AMeasuredErrorIsPartOfTheProgress) {
+  startDaemon();
+  const json done = watch(submitAs(scene("room.gltf"), {"--lightmap-size", "24", "--quality", "preview"}));
+  ASSERT_TRUE(done["progress"]["relrmse"].is_number()) << done["progress"];
+  EXPECT_EQ(done["progress"]["relrmse"], done["result"]["report"]["error"][0]["relrmse"]);
+}
+
 TEST_F(Service, AFailedJobSaysWhyAndExitsWith5) {
   startDaemon();
   writeFile(path("broken.gltf"), R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [7]}]})");
@@ -164,6 +197,17 @@ TEST(ServiceAbsent, AnUnreachableServerIsExit5) {
   const Finished finished = lightwell({"jobs", "--server", "127.0.0.1:" + std::to_string(freePort())});
   EXPECT_EQ(finished.exit_code, 5);
   EXPECT_NE(finished.err.find("cannot be reached"), std::string::npos);
+}
+
+TEST_F(Service, ACommandWaitsForADaemonThatIsStarting) {
+  startDaemon();
+  const std::string room = scene("room.gltf");
+  daemon_->kill();
+  Background command(submitArguments(room, {"--watch"}));
+  ASSERT_TRUE(command.waitFor([&] { return command.errors().find("waiting for a server at " + daemon_->address()) != std::string::npos; }))
+      << command.errors();
+  daemon_->start();
+  EXPECT_EQ(command.wait().exit_code, 0);
 }
 
 }  // namespace

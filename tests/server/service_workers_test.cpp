@@ -1,6 +1,7 @@
 // Jobs that crash, exhaust, hang or lie: they fail with their reason, others go on, the daemon stays.
 #include <chrono>
 #include <fstream>
+#include <random>
 #include <thread>
 
 #include "tests/server/service_fixture.h"
@@ -52,8 +53,35 @@ TEST_F(ServiceWorkers, ARealFileThatWantsMoreMemoryThanAllowed) {
   for (int i = 0; i < 12; ++i) gltf["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}, {"NORMAL", 0}, {"TANGENT", 0}}}});
   writeFile(path("bomb.gltf"), gltf.dump());
   const json ended = watch(submit(path("bomb.gltf")));
-  EXPECT_NE(ended["error"], nullptr) << ended.dump();
+  EXPECT_EQ(ended["error"]["id"], "memory_limit") << ended.dump();
   EXPECT_EQ(watch(submit(scene("room.gltf")))["state"], "succeeded") << "others go on";
+}
+
+TEST_F(ServiceWorkers, ARealFileThatWantsMoreTimeThanAllowed) {
+  startDaemon({"--workers", "2", "--max-job-seconds", "4"});
+  // Long thin triangles through one point, in all directions: no hierarchy of boxes parts them, and every ray meets many.
+  constexpr uint32_t kTriangles = 30000;
+  std::string positions;
+  std::mt19937 random(1);
+  std::normal_distribution<float> normal;
+  for (uint32_t i = 0; i < 3 * kTriangles; ++i)
+    for (int c = 0; c < 3; ++c) {
+      const float value = (i % 3 == 2 ? 0.01f : 1.0f) * normal(random);
+      positions.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+  writeFile(path("needles.bin"), positions);
+  json gltf{{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", {0}}}}}, {"nodes", {{{"mesh", 0}}}}};
+  gltf["buffers"] = {{{"uri", "needles.bin"}, {"byteLength", positions.size()}}};
+  gltf["bufferViews"] = {{{"buffer", 0}, {"byteLength", positions.size()}}};
+  gltf["accessors"] = {{{"bufferView", 0}, {"componentType", 5126}, {"count", 3 * kTriangles}, {"type", "VEC3"},
+                        {"min", {-9, -9, -9}}, {"max", {9, 9, 9}}}};
+  gltf["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", 0}}}}}}}};
+  writeFile(path("needles.gltf"), gltf.dump());
+  const std::string needles = submitAs(path("needles.gltf"), {"--lightmap-size", "1024"});
+  EXPECT_EQ(watch(submit(scene("room.gltf")))["state"], "succeeded") << "others go on beside it";
+  const json ended = watch(needles);
+  EXPECT_EQ(ended["error"]["id"], "time_limit") << ended.dump();
+  EXPECT_TRUE(daemon_->workers().empty());
 }
 
 TEST_F(ServiceWorkers, TimeIsLimited) {

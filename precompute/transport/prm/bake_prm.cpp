@@ -61,9 +61,10 @@ struct PrmBaker::Impl {
   std::vector<PriorLight> training_lights;
   bool has_emitters = false;
 
-  Impl(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings)
+  Impl(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings,
+       EntryClusters entry_clusters)
       : scene(scene), atlas(atlas), tracer(tracer), settings(settings), sides(surfaceSides(atlas)),
-        clusters(makeEntries(scene, atlas, tracer, sides, settings.entries, settings.seed)), gatherer(scene, atlas, tracer, sides, clusters, settings.seed) {
+        clusters(std::move(entry_clusters)), gatherer(scene, atlas, tracer, sides, clusters, settings.seed) {
     std::vector<SurfaceElement> elements;
     for (const auto& slot : atlas.slots) elements.push_back({slot.position, slot.normal});
     const size_t aim = std::max<size_t>(1, elements.size() / std::max(1u, settings.bases.block_texels));
@@ -118,7 +119,10 @@ struct PrmBaker::Impl {
 };
 
 PrmBaker::PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings)
-    : impl_(std::make_unique<Impl>(scene, atlas, tracer, settings)) {}
+    : PrmBaker(scene, atlas, tracer, settings, makeEntries(scene, atlas, tracer, settings.entries, settings.seed)) {}
+PrmBaker::PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings,
+                   EntryClusters clusters)
+    : impl_(std::make_unique<Impl>(scene, atlas, tracer, settings, std::move(clusters))) {}
 PrmBaker::~PrmBaker() = default;
 
 uint32_t PrmBaker::groupCount() const { return impl_->clusters.group_count; }

@@ -33,6 +33,9 @@ class PrmBaker {
  public:
   /// `scene`, `atlas` and `tracer` must outlive the baker.
   PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings);
+  /// The same with the clusters that makeEntries() gives for these settings.
+  PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings,
+           EntryClusters clusters);
   ~PrmBaker();
 
   uint32_t groupCount() const;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "precompute/core/parallel.h"
 #include "precompute/transport/prm/gather.h"
 
 namespace lightwell::transport {
@@ -222,10 +223,10 @@ float likeness(const Surroundings& a, const Surroundings& b) {
 /// Cuts groups where their clusters do not see the same surroundings: on both sides of a wall, in a sealed pocket, above and below a shelf. Light
 /// that is averaged over such a group would pass through the wall.
 ClusterList splitByVisibility(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
-                              const EntryClusters& clusters, uint64_t seed) {
+                              const EntryClusters& clusters, uint64_t seed, int threads, const CancelFlag* cancel) {
   const Gatherer gatherer(scene, atlas, tracer, sides, clusters, seed);
   std::vector<Surroundings> surroundings(clusters.cluster_count);
-  for (uint32_t c = 0; c < clusters.cluster_count; ++c) {
+  const auto lookAround = [&](uint32_t c) {
     for (uint64_t half = 0; half < 2; ++half) {
       Sample& sample = surroundings[c].sample[half];
       uint32_t seen = 0;
@@ -238,7 +239,10 @@ ClusterList splitByVisibility(const scene::Scene& scene, const atlas::Atlas& atl
       for (auto& [group, share] : sample) share /= float(seen);
     }
     surroundings[c].own_overlap = overlap(surroundings[c].sample[0], surroundings[c].sample[1]);
-  }
+  };
+  parallelFor(clusters.cluster_count, 64, threads, cancel, [&](size_t begin, size_t end) {
+    for (size_t c = begin; c < end; ++c) lookAround(uint32_t(c));
+  });
   ClusterList list;
   uint32_t group_count = 0;
   for (uint32_t g = 0; g < clusters.group_count; ++g) {
@@ -264,14 +268,45 @@ ClusterList splitByVisibility(const scene::Scene& scene, const atlas::Atlas& atl
 
 }  // namespace
 
-EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
-                          const EntryOptions& options, uint64_t seed) {
+EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const EntryOptions& options,
+                          uint64_t seed, int threads, const CancelFlag* cancel) {
+  const Sides sides = surfaceSides(atlas);
   EntryClusters result = numberClusters(atlas, sides, partitionSides(atlas, sides, options));
-  if (options.split_by_visibility) result = numberClusters(atlas, sides, splitByVisibility(scene, atlas, tracer, sides, result, seed));
+  if (options.split_by_visibility) result = numberClusters(atlas, sides, splitByVisibility(scene, atlas, tracer, sides, result, seed, threads, cancel));
   result.entries.cluster_first_entry.push_back(0);
   for (uint32_t c = 0; c < result.cluster_count; ++c) appendEntries(scene.mesh, atlas, sides, result.sidesOf(c), options.points_per_cluster, result.entries);
   for (uint32_t g = 0; g < result.group_count; ++g) appendEntries(scene.mesh, atlas, sides, result.sidesOfGroup(g), options.points_per_group, result.entries);
   return result;
+}
+
+Bytes toBytes(const EntryClusters& clusters) {
+  const std::array counts{clusters.cluster_count, clusters.group_count};
+  ByteWriter writer;
+  writer.array(std::span<const uint32_t>(counts));
+  for (const auto* indices : {&clusters.cluster_of_side, &clusters.group_of_cluster, &clusters.cluster_first_side, &clusters.cluster_side,
+                              &clusters.group_first_cluster, &clusters.entries.cluster_first_entry})
+    writer.array(*indices);
+  writer.array(clusters.area);
+  writer.array(clusters.entries.position);
+  writer.array(clusters.entries.normal);
+  writer.array(clusters.entries.weight);
+  return writer.take();
+}
+
+EntryClusters readEntries(ByteView bytes) {
+  EntryClusters clusters;
+  ByteReader reader(bytes);
+  const auto counts = reader.array<uint32_t>();
+  if (counts.size() != 2) throw std::runtime_error("a task result is damaged");
+  clusters.cluster_count = counts[0], clusters.group_count = counts[1];
+  for (auto* indices : {&clusters.cluster_of_side, &clusters.group_of_cluster, &clusters.cluster_first_side, &clusters.cluster_side,
+                        &clusters.group_first_cluster, &clusters.entries.cluster_first_entry})
+    *indices = reader.array<uint32_t>();
+  clusters.area = reader.array<float>();
+  clusters.entries.position = reader.array<Vec3>();
+  clusters.entries.normal = reader.array<Vec3>();
+  clusters.entries.weight = reader.array<float>();
+  return clusters;
 }
 
 }  // namespace lightwell::transport

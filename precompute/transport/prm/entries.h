@@ -2,6 +2,8 @@
 #pragma once
 #include <span>
 
+#include "precompute/core/bytes.h"
+#include "precompute/core/diagnostics.h"
 #include "precompute/trace/tracer.h"
 #include "precompute/transport/prm/partition.h"
 #include "precompute/transport/prm/prm.h"
@@ -38,7 +40,12 @@ struct EntryClusters {
   }
 };
 
-EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
-                          const EntryOptions& options, uint64_t seed);
+/// `threads`: 0 for all of the machine; the result does not depend on it. Throws Cancelled; `cancel` may be null.
+EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const EntryOptions& options,
+                          uint64_t seed, int threads = 0, const CancelFlag* cancel = nullptr);
+
+/// As a task's result. readEntries throws std::runtime_error for bytes that are too short.
+Bytes toBytes(const EntryClusters& clusters);
+EntryClusters readEntries(ByteView bytes);
 
 }  // namespace lightwell::transport
