@@ -154,7 +154,7 @@ float lwCellVisibility(int i, vec3 direction, vec3 tangent, vec3 bitangent, vec3
   vec3 at = vec3(dot(offset, tangent), dot(offset, bitangent), -dot(offset, direction)) / half_side;
   float steep = 1.0 / (max(dot(facing, direction), 0.02) * half_side.z * inner);
   vec2 slope = vec2(dot(facing, tangent) * half_side.x, dot(facing, bitangent) * half_side.y) * steep;  // depth for a texel
-  float bias = 0.1 * (abs(slope.x) + abs(slope.y)) + 0.1 * max(half_side.x, half_side.y) / (half_side.z * inner) + 4e-5;
+  float bias = 0.04 * (abs(slope.x) + abs(slope.y)) + 0.01 * max(half_side.x, half_side.y) / (half_side.z * inner) + 2e-5;  // rounding alone
   vec2 texel = (at.xy * inner + side) * 0.5 - 0.5;
   ivec2 corner = ivec2(place % maps.x * maps.y, place / maps.x * maps.y + maps.z);
   float depth = at.z * 0.5 + 0.5 - bias, lit = 0.0;
