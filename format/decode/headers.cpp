@@ -38,6 +38,16 @@ bool parseLight(std::string_view message, Light& light) {
   return reader.ok() && position.complete() && direction.complete() && intensity.complete();
 }
 
+bool parsePortal(std::string_view message, RadiosityPortal& portal) {
+  WireReader reader(message);
+  while (reader.next()) switch (reader.field()) {
+      case 1: reader.read(portal.name); break;
+      case 2: reader.read(portal.first_gate); break;
+      case 3: reader.read(portal.strips); break;
+    }
+  return reader.ok();
+}
+
 }  // namespace
 
 bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header) {
@@ -85,6 +95,36 @@ bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHea
       case 6: radiance_sh.append(reader); break;
     }
   return reader.ok() && sky_flux.complete() && radiance_sh.complete();
+}
+
+bool parseRadiosityHeader(const uint8_t* message, size_t bytes, RadiosityHeader& header, std::string_view* material_names, size_t material_capacity,
+                          RadiosityPortal* portals, size_t portal_capacity) {
+  header = {};
+  WireReader reader(message, bytes);
+  while (reader.next()) switch (reader.field()) {
+      case 1: reader.read(header.patches); break;
+      case 2: reader.read(header.texels); break;
+      case 3: reader.read(header.has_emission); break;
+      case 4: reader.read(header.has_backs); break;
+      case 5: {
+        std::string_view name;
+        WireReader material(reader.bytes());
+        while (material.next())
+          if (material.field() == 1) material.read(name);
+        if (!material.ok()) return false;
+        if (material_names && header.material_count < material_capacity) material_names[header.material_count] = name;
+        ++header.material_count;
+        break;
+      }
+      case 6: {
+        RadiosityPortal portal;
+        if (!parsePortal(reader.bytes(), portal)) return false;
+        if (portals && header.portal_count < portal_capacity) portals[header.portal_count] = portal;
+        ++header.portal_count;
+        break;
+      }
+    }
+  return reader.ok();
 }
 
 bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity) {

@@ -45,6 +45,17 @@ struct EnvironmentHeader {
   float sky_flux_rgb[3] = {}, radiance_sh_rgb[27] = {};
 };
 
+struct RadiosityPortal {
+  std::string_view name;       // into the message's bytes
+  uint32_t first_gate = 0, strips = 0;
+};
+
+struct RadiosityHeader {
+  uint32_t patches = 0, texels = 0;
+  bool has_emission = false, has_backs = false;
+  uint32_t material_count = 0, portal_count = 0;
+};
+
 /// Each parses the decoded bytes of a chunk "header". False when they are not a valid message of that kind (wire format, array lengths).
 /// Values are not judged further; `verify` does that.
 bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header);
@@ -52,5 +63,9 @@ bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header);
 bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHeader& header);
 /// `lights` may be null; otherwise it receives the first `light_capacity` lights. SceneHeader::light_count counts all.
 bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity);
+
+/// The same for the names of materials and for portals.
+bool parseRadiosityHeader(const uint8_t* message, size_t bytes, RadiosityHeader& header, std::string_view* material_names, size_t material_capacity,
+                          RadiosityPortal* portals, size_t portal_capacity);
 
 }  // namespace lightwell::format

@@ -92,5 +92,6 @@ void verifyGeometry(VerifyContext& context);
 void verifyAtlas(VerifyContext& context);
 void verifyPrm(VerifyContext& context);
 void verifyEnvironment(VerifyContext& context);
+void verifyRadiosity(VerifyContext& context);
 
 }  // namespace lightwell::format

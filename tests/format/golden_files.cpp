@@ -7,6 +7,7 @@
 #include "tests/format/content.h"
 #include "tests/format/environment_content.h"
 #include "tests/format/forge.h"
+#include "tests/format/radiosity_content.h"
 
 namespace lightwell::format {
 namespace {
@@ -83,7 +84,9 @@ std::vector<GoldenFile> validFiles() {
           {"valid/local_bases_wide.lwc", toWriter(wide).bytes()},
           {"valid/opaque.lwc", toWriter(opaque).bytes()},
           {"valid/environment.lwc", toWriter(environmentContent()).bytes()},
-          {"valid/sky_panes.lwc", toWriter(skyPanesContent()).bytes()}};
+          {"valid/sky_panes.lwc", toWriter(skyPanesContent()).bytes()},
+          {"valid/radiosity.lwc", toWriter(radiosityContent()).bytes()},
+          {"valid/radiosity_portals.lwc", toWriter(portalsContent()).bytes()}};
 }
 
 std::vector<GoldenFile> invalidFiles() {
@@ -171,6 +174,15 @@ std::vector<GoldenFile> invalidFiles() {
   EnvironmentContent flux = environmentContent();
   flux.flux[3] *= 2;
   add("bad_section.environment_flux", toWriter(flux).bytes());
+  RadiosityContent bright = radiosityContent();
+  bright.row_scale[3] *= 2;
+  add("bad_section.radiosity_gain", toWriter(bright).bytes());
+  RadiosityContent node = radiosityContent();
+  node.link_node[1] = 11;
+  add("bad_section.radiosity_node", toWriter(node).bytes());
+  RadiosityContent gate = portalsContent();
+  gate.gate_set[0] = 4;
+  add("bad_section.radiosity_gate", toWriter(gate).bytes());
   Content missing = panesContent();
   missing.left_out = {"atlas/source"};
   add("bad_section.chunk_missing", toWriter(missing).bytes());
