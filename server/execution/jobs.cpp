@@ -166,7 +166,7 @@ void Jobs::addWarning(const std::string& id, const v1::JobWarning& warning) {
   publish(id);
 }
 
-void Jobs::finish(const std::string& id, Ending ending) {
+void Jobs::finish(const std::string& id, Ending& ending) {
   {
     std::lock_guard lock(mutex_);
     if (const auto live = live_.find(id); live != live_.end()) {

@@ -57,7 +57,7 @@ class Jobs {
   void setProgress(const std::string& id, const v1::JobProgress& progress);
   void addWarning(const std::string& id, const v1::JobWarning& warning);
   /// Completes `ending` by progress and warnings that were seen.
-  void finish(const std::string& id, Ending ending);
+  void finish(const std::string& id, Ending& ending);
 
  private:
   struct Live {

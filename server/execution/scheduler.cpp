@@ -93,7 +93,7 @@ std::optional<v1::Job> Scheduler::take() {
     const uint64_t limit = job->spec().limits().memory_bytes() ? job->spec().limits().memory_bytes() : options_.max_job_memory_bytes;
     const uint64_t estimate = estimatedMemoryBytes(job->spec());
     if (limit && estimate > limit) {
-      const Ending ending = failedEnding("memory_limit", "the job needs about " + megabytes(estimate) + " of memory; its limit is " + megabytes(limit));
+      Ending ending = failedEnding("memory_limit", "the job needs about " + megabytes(estimate) + " of memory; its limit is " + megabytes(limit));
       jobs_.finish(job->id(), ending);
       events_.ended(job->id(), ending, 0);
       continue;

@@ -52,6 +52,8 @@ RpcServer::RpcServer(const Options& options, BakeService& service) {
   server_ = builder.BuildAndStart();
   if (!server_ || port == 0)
     throw UsageError("cannot listen on " + options.listen + ": the port is taken, the address is not this machine's, or TLS files do not fit");
+  // The default service answers for the whole server alone.
+  server_->GetHealthCheckService()->SetServingStatus(v1::BakeService::service_full_name(), true);
 }
 
 RpcServer::~RpcServer() { shutDown(); }

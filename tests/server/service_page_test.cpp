@@ -40,6 +40,7 @@ TEST_F(ServicePage, DownloadsPicturesAndMetrics) {
   const std::string metrics = http.Get("/metrics")->body;
   EXPECT_NE(metrics.find("lightwelld_jobs{state=\"succeeded\"} 1"), std::string::npos) << metrics;
   EXPECT_NE(metrics.find("lightwelld_submit_seconds_count 1"), std::string::npos);
+  EXPECT_EQ(metrics.find("lightwelld_tasks_run_total 0\n"), std::string::npos) << metrics;
 }
 
 TEST_F(ServicePage, InABrowser) {
