@@ -97,7 +97,6 @@ TEST_F(Incremental, ClustersOfTheMapsChangeNoReferenceAndNoEmitter) {
 
 TEST_F(Incremental, ReferencesOfTheErrorSeeColoursAlone) {
   settings_.quality = plan::Quality::preview;
-  settings_.lightmap_size = 24;
   bake(room_, settings_, store_);
   room_.box_emission = 3;
   EXPECT_THAT(bake(room_, settings_, store_).phases, UnorderedElementsAre("emitters", "solve", "fit", "container"));
