@@ -45,6 +45,12 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
   command.add_option("--prm-clusters", options.request.settings.prm_clusters, "Clusters of entry points, about; without it the quality decides")
       ->type_name("N")
       ->check(CLI::Range(1u, plan::kMostPrmClusters));
+  command
+      .add_option("--radiosity-density", options.request.settings.radiosity_density,
+                  "Patches of the section radiosity per light-map texel along a side, 1/64 to 1, rounded to a power of two; without it patches are small where "
+                  "things are near each other and large elsewhere")
+      ->type_name("D")
+      ->check(CLI::Range(plan::kLeastRadiosityDensity, 1.0f));
   addEnvironment(command, options.request.source.environment, options.request.settings.environment);
   command
       .add_option("--environment-samples", options.request.settings.environment_samples,
@@ -69,6 +75,7 @@ void resolve(BakeOptions& options) {
   settings.prm_estimator = *plan::prmEstimatorNamed(options.prm_estimator);
   plan::checkTechniques(settings);
   plan::checkPrm(settings);
+  plan::checkRadiosity(settings);
   plan::checkEnvironment(settings);
   const bake::SceneSource& source = options.request.source;
   bake::checkSource(source, settings);

@@ -3,7 +3,9 @@
 #include "format/encode/writer.h"
 #include "precompute/bake/environment_tasks.h"
 #include "precompute/bake/prm_error.h"
+#include "precompute/bake/parameters.h"
 #include "precompute/bake/prm_tasks.h"
+#include "precompute/bake/radiosity_tasks.h"
 #include "precompute/bake/sections.h"
 #include "precompute/bake/sky_tasks.h"
 
@@ -50,6 +52,8 @@ struct ContainerParts {
   PrmTasks prm;
   InputRange blocks, emitter, references;  // empty without a PRM
   InputRange sky;                                  // empty without a sky on its texels
+  std::shared_ptr<const transport::RadiosityBaker> radiosity;
+  InputRange radiosity_links;                      // empty without radiosity
   InputRange environment, environment_errors;      // at most one each
 };
 
@@ -89,6 +93,8 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   in.cancel.check();
   if (prm) addPrmSection(writer, *prm, sky, context.scene().metres_per_unit);
   in.cancel.check();
+  if (plan.radiosity) addRadiositySection(writer, parts.radiosity->assemble(viewsOf(parts.radiosity_links.of(in))), context.scene());
+  in.cancel.check();
   for (const Blob& environment : parts.environment.of(in)) addEnvironmentSection(writer, readEnvironment(environment), settings.environment);
   return writer.bytes();
 }
@@ -109,13 +115,21 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
       plan.omitted.push_back({"prm", "every texel lies inside or behind other surfaces"});
     }
   }
+  const transport::RadiositySettings radiosity_settings = radiositySettings(options.settings);
+  ContainerParts parts;
+  if (plan.radiosity) {
+    parts.radiosity = makeRadiosityBaker(context, radiosity_settings, tasks);
+    if (parts.radiosity->patchCount() == 0) {
+      plan.radiosity = false;
+      plan.omitted.push_back({"radiosity", "every texel lies inside or behind other surfaces"});
+    }
+  }
   std::vector<TaskIndex> inputs;
   const auto take = [&](const std::vector<TaskIndex>& tasks) {
     const InputRange range{inputs.size(), tasks.size()};
     inputs.insert(inputs.end(), tasks.begin(), tasks.end());
     return range;
   };
-  ContainerParts parts;
   if (plan.prm) {
     parts.prm = addPrmTasks(result.graph, context, prm_settings, baker);
     parts.blocks = take(parts.prm.blocks);
@@ -123,6 +137,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     if (plan.prm_sky) parts.sky = take(addSkyTasks(result.graph, context, options.settings));
     parts.references = take(addReferenceTasks(result.graph, context, options.test_lights));
   }
+  if (plan.radiosity) parts.radiosity_links = take(addRadiosityTasks(result.graph, context, radiosity_settings, parts.radiosity));
   if (plan.environment) {
     const bool measure = options.settings.quality != plan::Quality::draft;
     const EnvironmentTasks tasks = addEnvironmentTasks(result.graph, context, options.settings, measure);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 #include "precompute/bake/bake.h"
+#include "precompute/bake/parameters.h"
 
 namespace lightwell::bake {
 namespace {
@@ -13,36 +13,10 @@ namespace {
 // Elements of a stage in one task: a few tenths of a second of work. Part of what names a task, never of what it computes.
 constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 4;
 
-/// What a task's bytes depend on, as text.
-class Parameters {
- public:
-  explicit Parameters(const Key& scene) : text_(scene.hex()) {}
-  template <class... Values>
-  Parameters& add(Values... values) {
-    (append(values), ...);
-    return *this;
-  }
-  const std::string& text() const { return text_; }
-
- private:
-  template <class Value>
-  void append(Value value) {
-    if constexpr (std::is_same_v<Value, float>) return append(std::bit_cast<uint32_t>(value));
-    else text_.append(1, ' ').append(std::to_string(int64_t(value)));
-  }
-  std::string text_;
-};
-
 /// The clusters: all stages but the emitters' know the surfaces by them.
 Parameters entryParameters(const Key& scene, const transport::PrmSettings& s) {
   const transport::EntryOptions& e = s.entries;
   return Parameters(scene).add(e.clusters, e.groups, e.points_per_cluster, e.points_per_group, e.split_by_visibility, s.seed);
-}
-
-std::vector<ByteView> viewsOf(std::span<const Blob> blobs) {
-  std::vector<ByteView> views;
-  for (const auto& blob : blobs) views.emplace_back(*blob);
-  return views;
 }
 
 /// What was chosen by hand holds for every quality and refinement. A pane is that of a group.

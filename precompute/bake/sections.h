@@ -11,6 +11,7 @@
 #include "precompute/scene/scene.h"
 #include "precompute/transport/environment/environment.h"
 #include "precompute/transport/prm/prm.h"
+#include "precompute/transport/radiosity/radiosity.h"
 
 namespace lightwell::bake {
 
@@ -22,6 +23,8 @@ void addAtlasSection(format::Writer& writer, const atlas::Atlas& atlas);
 void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, const SkyPanes& sky, double metres_per_unit);
 /// `placement` is how the map was read: --exact answers need it again.
 void addEnvironmentSection(format::Writer& writer, const transport::Environment& environment, const plan::EnvironmentPlacement& placement);
+/// `scene`: its materials' names and its unit of length.
+void addRadiositySection(format::Writer& writer, const transport::RadiosityResult& radiosity, const scene::Scene& scene);
 void addMetaSection(format::Writer& writer, const v1::MetaHeader& header);
 
 }  // namespace lightwell::bake

@@ -5,7 +5,7 @@
 namespace lightwell::plan {
 namespace {
 
-constexpr Technique kBakers[] = {Technique::prm, Technique::environment};
+constexpr Technique kBakers[] = {Technique::prm, Technique::radiosity, Technique::environment};
 
 /// Why a technique that can be baked has no use here; empty when it has one.
 std::string uselessness(Technique technique, const SceneFacts& facts) {
@@ -15,6 +15,7 @@ std::string uselessness(Technique technique, const SceneFacts& facts) {
   }
   if (!facts.has_scene) return "no scene was given";
   if (!facts.has_surfaces) return "the scene has no surfaces";
+  if (technique == Technique::radiosity) return "";  // what neither reflects nor emits may do so later
   if (!facts.has_reflection && !facts.has_emitters && !facts.has_sky_light) return "no surface reflects or emits light";
   return "";
 }
@@ -26,7 +27,7 @@ bool hasBaker(Technique technique) { return std::find(std::begin(kBakers), std::
 void checkTechniques(const Settings& settings) {
   for (const Technique technique : settings.techniques)
     if (!hasBaker(technique))
-      throw UsageError("--techniques: this version cannot bake \"" + std::string(name(technique)) + "\" yet; it bakes prm and environment");
+      throw UsageError("--techniques: this version cannot bake \"" + std::string(name(technique)) + "\" yet; it bakes prm, radiosity and environment");
 }
 
 void checkPrm(const Settings& settings) {
@@ -40,6 +41,11 @@ void checkPrm(const Settings& settings) {
                      std::to_string(settings.prm_clusters) + " clusters");
 }
 
+void checkRadiosity(const Settings& settings) {
+  if (settings.radiosity_density != 0 && !(settings.radiosity_density >= kLeastRadiosityDensity && settings.radiosity_density <= 1))
+    throw UsageError("--radiosity-density: from 1/64 to 1 patch per light-map texel along a side");
+}
+
 void checkEnvironment(const Settings& settings) {
   if (settings.environment_samples < 1 || settings.environment_samples > kMostEnvironmentSamples)
     throw UsageError("--environment-samples: an environment takes 1 to " + std::to_string(kMostEnvironmentSamples) + " samples");
@@ -51,6 +57,7 @@ void checkEnvironment(const Settings& settings) {
 Plan makePlan(const SceneFacts& facts, const Settings& settings) {
   checkTechniques(settings);
   checkPrm(settings);
+  checkRadiosity(settings);
   checkEnvironment(settings);
   const bool automatic = settings.techniques.empty();
   const auto wanted = [&](Technique technique) {
@@ -71,8 +78,10 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
       plan.omitted.push_back({type, "this version cannot bake it"});
     else if (!useless.empty())
       plan.omitted.push_back({type, useless});
+    else if (technique == Technique::radiosity && automatic)
+      plan.omitted.push_back({type, "not asked for: section prm has the scene's light as long as albedo and emission stay"});
     else
-      (technique == Technique::prm ? plan.prm : plan.environment) = true;
+      (technique == Technique::prm ? plan.prm : technique == Technique::radiosity ? plan.radiosity : plan.environment) = true;
   }
   plan.prm_emitter = plan.prm && facts.has_emitters;
   plan.prm_sky = plan.prm && facts.has_sky_light;

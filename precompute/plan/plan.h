@@ -27,6 +27,7 @@ struct Plan {
   bool prm = false;
   bool prm_emitter = false;       // the constant panes of the scene's own emitters
   bool prm_sky = false;           // the constant panes of the sky
+  bool radiosity = false;
   bool environment = false;
   std::vector<Omitted> omitted;
 };
@@ -36,6 +37,8 @@ void checkTechniques(const Settings& settings);
 /// Throws UsageError for choices of the section prm that exclude each other.
 void checkPrm(const Settings& settings);
 
+/// Throws UsageError for a density that no light map can be divided by.
+void checkRadiosity(const Settings& settings);
 /// Throws UsageError for numbers of samples and cells that no environment can have.
 void checkEnvironment(const Settings& settings);
 

@@ -127,6 +127,7 @@ std::string canonicalJson(const Settings& settings) {
               {"prm_estimator", name(settings.prm_estimator)},
               {"prm_entries", settings.prm_entries},
               {"prm_clusters", settings.prm_clusters},
+              {"radiosity_density", settings.radiosity_density},
               {"environment_samples", settings.environment_samples},
               {"sky_face_cells", settings.sky_face_cells},
               {"environment_rotation_deg", settings.environment.rotation_deg},
@@ -174,6 +175,8 @@ Settings settingsFromJson(std::string_view text) {
       settings.prm_entries = requiredCount(key, value, kMostPrmEntries);
     } else if (key == "prm_clusters") {
       settings.prm_clusters = requiredCount(key, value, kMostPrmClusters);
+    } else if (key == "radiosity_density") {
+      settings.radiosity_density = requiredNumber(key, value, 0, 1);
     } else if (key == "environment_samples") {
       settings.environment_samples = requiredCount(key, value, kMostEnvironmentSamples);
     } else if (key == "sky_face_cells") {

@@ -20,6 +20,7 @@ enum class PrmEstimator { gather, walks };
 
 inline constexpr int kMostLightmapSize = 8192;
 inline constexpr uint32_t kMostPrmEntries = 1u << 20, kMostPrmClusters = 1u << 16, kMostPrmPanes = 4096;
+inline constexpr float kLeastRadiosityDensity = 1.0f / 64;
 inline constexpr uint32_t kMostEnvironmentSamples = 4096, kFewestSkyFaceCells = 16, kMostSkyFaceCells = 256;
 inline constexpr int kFinestRefinement = 3, kCoarsestRefinement = -6;
 
@@ -44,6 +45,7 @@ struct Settings {
   PrmEstimator prm_estimator = PrmEstimator::gather;
   uint32_t prm_entries = 0;           // entry points over all clusters, about, up to kMostPrmEntries; 0: the quality's
   uint32_t prm_clusters = 0;          // clusters of entry points, about, up to kMostPrmClusters (panes: kMostPrmPanes); 0: the quality's
+  float radiosity_density = 0;        // patches per light-map texel along a side, rounded to a power of two, kLeastRadiosityDensity to 1; 0: adaptive
   uint32_t environment_samples = 128; // cells of the environment, suns included, 1 to kMostEnvironmentSamples
   uint32_t sky_face_cells = 64;       // along a face of the sky's cube: even, kFewestSkyFaceCells to kMostSkyFaceCells
   EnvironmentPlacement environment;

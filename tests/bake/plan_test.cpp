@@ -55,6 +55,19 @@ TEST(Plan, ASkyIsBakedWhenThereIsOne) {
   for (const char* type : {"scene", "geometry", "atlas", "prm"}) EXPECT_TRUE(omits(sky, type)) << type;
 }
 
+TEST(Plan, RadiosityIsBakedWhenAskedFor) {
+  EXPECT_FALSE(makePlan(kRoom, {}).radiosity);
+  EXPECT_TRUE(omits(makePlan(kRoom, {}), "radiosity"));
+  Settings settings;
+  settings.techniques = {Technique::radiosity};
+  const Plan plan = makePlan(kRoom, settings);
+  EXPECT_TRUE(plan.radiosity && !plan.prm && omits(plan, "prm"));
+  EXPECT_TRUE(makePlan({.has_surfaces = true}, settings).radiosity) << "a black room may be painted";
+  EXPECT_TRUE(omits(makePlan({}, settings), "radiosity"));
+  settings.radiosity_density = 0.01f;
+  EXPECT_THROW(makePlan(kRoom, settings), UsageError);
+}
+
 TEST(Plan, NumbersThatNoEnvironmentCanHaveAreAUsageError) {
   Settings settings;
   settings.environment_samples = 0;
@@ -102,6 +115,7 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   settings.prm_estimator = PrmEstimator::walks;
   settings.prm_entries = 4096;
   settings.prm_clusters = 256;
+  settings.radiosity_density = 0.5f;
   settings.environment_samples = 32;
   settings.sky_face_cells = 128;
   settings.environment = {.rotation_deg = -90, .intensity = 0.5f, .ground_radiance_rgb = {{1, 2, 0.25f}}};
@@ -110,7 +124,7 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   EXPECT_EQ(json,
             R"({"environment_ground":[1.0,2.0,0.25],"environment_intensity":0.5,"environment_rotation_deg":-90.0,"environment_samples":32,)"
             R"("light_units":"raw","lightmap_size":33,"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
-            R"("quality":"draft","refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"]})");
+            R"("quality":"draft","radiosity_density":0.5,"refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"]})");
   EXPECT_EQ(settingsFromJson(json).environment, settings.environment);
   EXPECT_EQ(canonicalJson(settingsFromJson("{}")), canonicalJson(Settings{}));
 }

@@ -87,11 +87,13 @@ HitCounts countHits(const scene::Scene& scene, const atlas::Atlas& atlas, const 
 
 FormFactors makeFormFactors(const Patches& patches, const HitCounts& hits, uint32_t rays, Reciprocity reciprocity) {
   FormFactors factors;
-  const float share_of_ray = 1.0f / float(rays);
+  // Rays from hidden points count for nothing.
+  const auto exposedRays = [&](uint32_t patch) { return double(rays) * patches.exposed_share[patch]; };
   if (reciprocity == Reciprocity::none) {
     factors.first = hits.first;
     factors.patch = hits.patch;
-    for (const uint32_t count : hits.count) factors.value.push_back(float(count) * share_of_ray);
+    for (uint32_t row = 0; row < patches.count(); ++row)
+      for (uint64_t i = hits.first[row]; i < hits.first[row + 1]; ++i) factors.value.push_back(float(hits.count[i] / exposedRays(row)));
     return factors;
   }
   const HitCounts met_by = transposed(hits);
@@ -105,16 +107,17 @@ FormFactors makeFormFactors(const Patches& patches, const HitCounts& hits, uint3
       const uint32_t other = std::min(to, from);
       double both = 0;
       if (to == other) {
-        share[row] += hits.count[out] * double(share_of_ray);
+        share[row] += hits.count[out] / exposedRays(row);
         both += hits.count[out++];
       }
       if (from == other) both += met_by.count[in++];
       // Hits are Poisson with mean rays G / A at either end: the likeliest exchange G of the pair.
-      const double exchange = both / (rays * (1.0 / patches.area[row] + 1.0 / patches.area[other]));
+      const double exchange = both / (exposedRays(row) / patches.area[row] + exposedRays(other) / patches.area[other]);
       factors.patch.push_back(other);
       factors.value.push_back(float(exchange / patches.area[row]));
     }
     factors.first.push_back(factors.patch.size());
+    share[row] = std::min(share[row], 1.0);
   }
   balance(share, factors);
   return factors;

@@ -7,110 +7,172 @@
 namespace lightwell::transport {
 namespace {
 
+using Vector = Eigen::RowVectorXf;  // one value per training light
+
+/// A link of the row that is being compressed, and what it gets wrong: its share of the row's irradiance under each light, as it is minus as it should be.
 struct Link {
   uint32_t node;
-  double value;
+  float value;
+  Vector error;
 };
 
-/// The links of one row.
+/// Mean radiosities of all nodes.
+RadiosityTraining::Matrix nodeRadiosity(const PatchTree& tree, const RadiosityTraining::Matrix& patch) {
+  RadiosityTraining::Matrix node(tree.nodeCount(), patch.cols());
+  node.topRows(patch.rows()) = patch;
+  for (uint32_t i = tree.level_first[1]; i < tree.nodeCount(); ++i) {
+    const uint32_t index = i - tree.level_first[1];
+    node.row(i).setZero();
+    for (uint32_t child = tree.first_child[index]; child < tree.first_child[index + 1]; ++child) node.row(i) += node.row(child) * tree.area[child];
+    node.row(i) /= tree.area[i];
+  }
+  return node;
+}
+
+/// Compresses single rows.
 class RowMerger {
  public:
-  RowMerger(const FormFactors& factors, const PatchTree& tree, uint32_t row, float noise, float merge_error)
-      : patch_(&factors.patch[factors.first[row]]), value_(&factors.value[factors.first[row]]), tree_(tree), noise_(noise), merge_error_(merge_error) {
-    const uint32_t count = uint32_t(factors.first[row + 1] - factors.first[row]);
-    const uint32_t top = tree.levelCount() - 1;
-    uint32_t at = 0;
-    for (uint32_t node = tree.level_first[top]; node < tree.level_first[top + 1]; ++node) {
-      const uint32_t end = endOf(node, at, count);
-      visit(node, top, at, end);
-      at = end;
-    }
-    std::sort(links_.begin(), links_.end(), [](const Link& a, const Link& b) { return a.node < b.node; });
+  RowMerger(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options)
+      : factors_(factors), tree_(tree), training_(training), node_radiosity_(nodeRadiosity(tree, training.radiosity)), options_(options), most_(options.link_error) {}
+
+  std::vector<Link> links(uint32_t row) {
+    begin(row);
+    for (uint32_t level = 1; level < tree_.levelCount(); ++level) mergeInto(level);
+    prune();
+    return std::move(links_);
   }
-  std::vector<Link> take() { return std::move(links_); }
 
  private:
-  /// The end of the entries from `at` that lie below `node`.
-  uint32_t endOf(uint32_t node, uint32_t at, uint32_t end) const {
-    return uint32_t(std::lower_bound(patch_ + at, patch_ + end, tree_.end_patch[node]) - patch_);
+  float rms(const Vector& error) const { return std::sqrt((error.array() * scale_.array()).square().mean()); }
+
+  void begin(uint32_t row) {
+    row_ = row;
+    links_.clear();
+    const Eigen::Index lights = training_.lights();
+    scale_ = (training_.irradiance.row(row).array() + 0.1f).inverse().matrix();
+    error_ = Vector::Zero(lights);
+    for (uint64_t i = factors_.first[row]; i < factors_.first[row + 1]; ++i)
+      if (factors_.value[i] > 0) links_.push_back({factors_.patch[i], factors_.value[i], Vector::Zero(lights)});
   }
 
-  double sum(uint32_t begin, uint32_t end) const { return std::accumulate(value_ + begin, value_ + end, 0.0); }
-
-  /// Whether entries [begin, end) spread over `node` as area does, seen at its children and at its patches.
-  bool isEven(uint32_t node, uint32_t level, uint32_t begin, uint32_t end, double total) const {
-    const double per_area = total / tree_.area[node], noise2 = total * noise_, most2 = double(merge_error_) * merge_error_ + noise2;
-    double at_patches = 0, covered = 0;
-    for (uint32_t i = begin; i < end; ++i) {
-      const double expected = per_area * tree_.area[patch_[i]];
-      at_patches += (value_[i] - expected) * (value_[i] - expected);
-      covered += tree_.area[patch_[i]];
+  /// Whether the form factors of `node`, together `value`, spread over it as its area does, seen at its patches and at its children.
+  bool isEven(uint32_t node, uint32_t level, double value) const {
+    // Both ends' hits speak for a form factor, as a rule as many: half the variance of one end's.
+    const double most2 = double(options_.uneven) * options_.uneven + 0.5 * value / options_.rays;
+    const double per_area = value / tree_.area[node];
+    const auto all = std::span(factors_.patch).subspan(factors_.first[row_], factors_.first[row_ + 1] - factors_.first[row_]);
+    const float* values = &factors_.value[factors_.first[row_]];
+    const auto at = [&](uint32_t patch) { return size_t(std::lower_bound(all.begin(), all.end(), patch) - all.begin()); };
+    const size_t begin = at(tree_.first_patch[node]), end = at(tree_.end_patch[node]);
+    double deviation2 = 0, missed_area = tree_.area[node];
+    for (size_t i = begin; i < end; ++i) {
+      const double area = tree_.area[all[i]], difference = values[i] - per_area * area;
+      deviation2 += difference * difference;
+      missed_area -= area;
     }
     // Patches without a hit, as if of equal areas: exact enough for a bound.
-    const uint32_t patches = tree_.end_patch[node] - tree_.first_patch[node], missed = patches - (end - begin);
-    if (missed > 0) {
-      const double mean_missed = per_area * std::max(0.0, tree_.area[node] - covered) / missed;
-      at_patches += missed * mean_missed * mean_missed;
-    }
-    if (at_patches > most2) return false;
-    if (level < 2) return true;
-    double at_children = 0;
+    const double missed = double(tree_.end_patch[node] - tree_.first_patch[node]) - double(end - begin);
+    if (missed > 0) deviation2 += per_area * per_area * std::max(0.0, missed_area) * std::max(0.0, missed_area) / missed;
+    if (deviation2 > most2 || level == 1) return deviation2 <= most2;
+    deviation2 = 0;
     const uint32_t index = node - tree_.level_first[1];
-    uint32_t at = begin;
     for (uint32_t child = tree_.first_child[index]; child < tree_.first_child[index + 1]; ++child) {
-      const uint32_t child_end = endOf(child, at, end);
-      const double difference = sum(at, child_end) - per_area * tree_.area[child];
-      at_children += difference * difference;
-      at = child_end;
+      double difference = -per_area * tree_.area[child];
+      for (size_t i = at(tree_.first_patch[child]); i < at(tree_.end_patch[child]); ++i) difference += values[i];
+      deviation2 += difference * difference;
     }
-    return at_children <= most2;
+    return deviation2 <= most2;
   }
 
-  void visit(uint32_t node, uint32_t level, uint32_t begin, uint32_t end) {
-    if (begin == end) return;
-    const double total = sum(begin, end);
-    if (level == 0 || isEven(node, level, begin, end, total)) return void(links_.push_back({node, total}));
-    const uint32_t index = node - tree_.level_first[1];
-    uint32_t at = begin;
-    for (uint32_t child = tree_.first_child[index]; child < tree_.first_child[index + 1]; ++child) {
-      const uint32_t child_end = endOf(child, at, end);
-      visit(child, level - 1, at, child_end);
-      at = child_end;
+  /// Merges the links below nodes of `level`, those that cost least first, while the row's error allows. Links are in the order of their patches.
+  void mergeInto(uint32_t level) {
+    struct Candidate {
+      uint32_t node;
+      size_t begin, end;  // links
+      Link merged;
+      float cost;
+    };
+    std::vector<Candidate> candidates;
+    uint32_t node = tree_.level_first[level];
+    for (size_t begin = 0, end; begin < links_.size(); begin = end) {
+      while (tree_.end_patch[node] <= tree_.first_patch[links_[begin].node]) ++node;
+      for (end = begin; end < links_.size() && tree_.first_patch[links_[end].node] < tree_.end_patch[node];) ++end;
+      if (end - begin < 2) continue;
+      Candidate candidate{node, begin, end, {node, 0.0f, Vector::Zero(training_.lights())}, 0.0f};
+      Link& merged = candidate.merged;
+      for (size_t i = begin; i < end; ++i) {
+        merged.value += links_[i].value;
+        merged.error += links_[i].error - links_[i].value * node_radiosity_.row(links_[i].node);
+      }
+      if (!isEven(node, level, merged.value)) continue;
+      merged.error += merged.value * node_radiosity_.row(node);
+      candidate.cost = rms(merged.error) / float(end - begin - 1);
+      candidates.push_back(std::move(candidate));
     }
+    std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+    std::vector<char> gone(links_.size(), 0);
+    for (Candidate& candidate : candidates) {
+      Vector error = error_ + candidate.merged.error;
+      for (size_t i = candidate.begin; i < candidate.end; ++i) error -= links_[i].error;
+      if (rms(error) > most_ * shareOf(level)) continue;
+      error_ = error;
+      for (size_t i = candidate.begin + 1; i < candidate.end; ++i) gone[i] = 1;
+      links_[candidate.begin] = std::move(candidate.merged);
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < links_.size(); ++i)
+      if (!gone[i]) {
+        if (kept != i) links_[kept] = std::move(links_[i]);
+        ++kept;
+      }
+    links_.resize(kept);
   }
 
-  const uint32_t* patch_;
-  const float* value_;
+  /// Every level may use a part of the error, so that the lowest does not spend it all.
+  float shareOf(uint32_t level) const { return float(level) / float(tree_.levelCount()); }
+
+  /// Drops the smallest links while the error allows; the others take over what they carried.
+  void prune() {
+    std::vector<size_t> order(links_.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return links_[a].value < links_[b].value; });
+    double total = 0;
+    Vector received = Vector::Zero(training_.lights());
+    for (const Link& link : links_) {
+      total += link.value;
+      received += link.value * node_radiosity_.row(link.node);
+    }
+    const Vector exact = received - error_;
+    double left = total;
+    size_t dropped = 0;
+    for (; dropped + 1 < order.size(); ++dropped) {
+      const Link& link = links_[order[dropped]];
+      const Vector rest = received - link.value * node_radiosity_.row(link.node);
+      const double rest_value = left - link.value;
+      if (rms(rest * float(total / rest_value) - exact) > most_ || rest_value < (1 - options_.prune) * total) break;
+      received = rest;
+      left = rest_value;
+    }
+    if (dropped == 0) return;
+    std::vector<char> gone(links_.size(), 0);
+    for (size_t i = 0; i < dropped; ++i) gone[order[i]] = 1;
+    std::vector<Link> kept;
+    for (size_t i = 0; i < links_.size(); ++i)
+      if (!gone[i]) kept.push_back(std::move(links_[i]));
+    for (Link& link : kept) link.value *= float(total / left);
+    links_ = std::move(kept);
+  }
+
+  const FormFactors& factors_;
   const PatchTree& tree_;
-  double noise_;
-  float merge_error_;
+  const RadiosityTraining& training_;
+  RadiosityTraining::Matrix node_radiosity_;
+  LinkOptions options_;
+  float most_;
+  uint32_t row_ = 0;
   std::vector<Link> links_;
+  Vector scale_, error_;  // of the row: one over its irradiance, and what its links get wrong together
 };
-
-/// Drops the smallest links that carry at most `share` of all; what is left takes over.
-void prune(std::vector<Link>& links, double share) {
-  double total = 0;
-  std::vector<double> ascending;
-  for (const Link& link : links) {
-    total += link.value;
-    ascending.push_back(link.value);
-  }
-  std::sort(ascending.begin(), ascending.end());
-  double dropped = 0, least = 0;
-  for (const double value : ascending) {
-    if (dropped + value > share * total) break;
-    dropped += value;
-    least = value;
-  }
-  if (dropped <= 0) return;
-  double left = total;
-  std::erase_if(links, [&](const Link& link) {
-    if (link.value > least || left - link.value < (1 - share) * total) return false;
-    left -= link.value;
-    return true;
-  });
-  for (Link& link : links) link.value *= total / left;
-}
 
 }  // namespace
 
@@ -130,18 +192,18 @@ uint8_t linkCode(float weight) {
   return exponent > 15 ? 255 : uint8_t(exponent << 4 | mantissa);
 }
 
-RadiosityLinks makeLinks(const FormFactors& factors, const PatchTree& tree, uint32_t rays, const LinkOptions& options, uint32_t begin, uint32_t end) {
+RadiosityLinks makeLinks(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options, uint32_t begin,
+                         uint32_t end) {
   RadiosityLinks result;
+  RowMerger merger(factors, tree, training, options);
   for (uint32_t row = begin; row < end; ++row) {
-    // Both ends' hits speak for a form factor, as a rule as many: half the variance of one end's.
-    std::vector<Link> links;
-    if (factors.first[row] < factors.first[row + 1]) links = RowMerger(factors, tree, row, 0.5f / float(rays), options.merge_error).take();
+    std::vector<Link> links = merger.links(row);
+    std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.node < b.node; });
     double sum = 0, largest = 0;
     for (const Link& link : links) {
       sum += link.value;
-      largest = std::max(largest, link.value);
+      largest = std::max(largest, double(link.value));
     }
-    prune(links, options.prune_share);
     uint64_t codes = 0;
     for (const Link& link : links) {
       result.node.push_back(link.node);

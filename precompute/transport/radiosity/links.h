@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "precompute/transport/radiosity/form_factors.h"
+#include "precompute/transport/radiosity/training.h"
 
 namespace lightwell::transport {
 
@@ -25,14 +25,18 @@ constexpr uint32_t linkWeight(uint8_t code) { return (16u + (code & 15u)) << (co
 uint8_t linkCode(float weight);
 
 struct LinkOptions {
-  /// Patches merge into their node where form factors spread over it as its area does, up to this deviation (root of the sum of squares, beyond what
-  /// the noise of the rays explains).
-  float merge_error = 0.002f;
-  /// Links of a row are dropped, the smallest first, while they carry at most this share of its sum; the others take over what they carried.
-  float prune_share = 0.005f;
+  /// Neighbours merge into their node, and small links are dropped, up to this relative error of the row's irradiance (rms over the training lights, each
+  /// relative to the row's irradiance and a tenth of the scene's mean).
+  float link_error = 0.03f;
+  /// And only where form factors spread over the node as its area does, up to this deviation (root of the sum of squares over its patches, beyond what the noise
+  /// of the rays explains): right for lights that nobody trained on.
+  float uneven = 0.0015f;
+  float prune = 0.002f;  // share of a row's sum that dropped links may have carried; the others take over
+  uint32_t rays = 1024;  // that were traced from each patch
 };
 
-/// Compresses the rows [begin, end). `rays` were traced from each patch.
-RadiosityLinks makeLinks(const FormFactors& factors, const PatchTree& tree, uint32_t rays, const LinkOptions& options, uint32_t begin, uint32_t end);
+/// Compresses the rows [begin, end). Without training lights nothing is merged.
+RadiosityLinks makeLinks(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options, uint32_t begin,
+                         uint32_t end);
 
 }  // namespace lightwell::transport

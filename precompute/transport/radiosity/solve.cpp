@@ -66,7 +66,7 @@ RadiositySolution solveRadiosity(const RadiosityLinks& links, const PatchTree& t
       const Vector g = channel.gather(albedo.cwiseProduct(x) + source);
       const Vector f = g - x;
       ++sweeps;
-      residual = g.norm() > 0 ? f.norm() / g.norm() : 0.0;
+      residual = g.norm() == 0 ? 0.0 : f.norm() / g.norm();
       if (residual <= tolerance) {
         x = g;
         break;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 namespace lightwell::transport {
 namespace {
@@ -12,41 +11,39 @@ constexpr float kLeastCosine = 0.9f;  // between the normals of patches that are
 }  // namespace
 
 TexelWeights makeTexelWeights(const atlas::Atlas& atlas, const Sides& sides, const Patches& patches) {
-  const uint32_t width = uint32_t(atlas.width), k = patches.texels_per_side, columns = (width + k - 1) / k;
-  // The fronts' patches by square and chart; within a square, patches of several charts or materials.
-  std::unordered_map<uint64_t, std::vector<uint32_t>> in_square;
-  const auto slotOf = [&](uint32_t patch) -> const atlas::Slot& { return atlas.slots[sides.slot[patches.sidesOf(patch)[0]]]; };
-  for (uint32_t patch = 0; patch < patches.count(); ++patch) {
-    if (sides.isBack(patches.sidesOf(patch)[0])) continue;
-    const atlas::Slot& slot = slotOf(patch);
-    in_square[uint64_t(slot.texel / width / k) * columns + slot.texel % width / k].push_back(patch);
-  }
   TexelWeights result;
-  for (uint32_t slot_index = 0; slot_index < atlas.slots.size(); ++slot_index) {
+  for (uint32_t slot_index = 0; slot_index < sides.front_count; ++slot_index) {
     const uint32_t own = patches.patch_of_side[slot_index];
     if (own == kNone) continue;
     const atlas::Slot& slot = atlas.slots[slot_index];
-    const float x = (float(slot.texel % width) + 0.5f) / float(k) - 0.5f, y = (float(slot.texel / width) + 0.5f) / float(k) - 0.5f;
+    const int texel_x = int(slot.texel) % atlas.width, texel_y = int(slot.texel) / atlas.width, k = patches.texels_per_side[own];
+    // The patch of a neighbouring square of the own one's size: that of its texel nearest to this one.
+    const auto patchOfSquare = [&](int column, int row) {
+      const int x = std::clamp(texel_x, column * k, column * k + k - 1), y = std::clamp(texel_y, row * k, row * k + k - 1);
+      if (column < 0 || row < 0 || x >= atlas.width || y >= atlas.height) return kNone;
+      const uint32_t other_slot = atlas.texel_slot[size_t(y) * size_t(atlas.width) + size_t(x)];
+      if (other_slot == kNone || atlas.slots[other_slot].chart != slot.chart) return kNone;
+      const uint32_t other = patches.patch_of_side[other_slot];
+      if (other == kNone || patches.material[other] != patches.material[own] || patches.normal[other].dot(patches.normal[own]) < kLeastCosine) return kNone;
+      return other;
+    };
+    const float x = (float(texel_x) + 0.5f) / float(k) - 0.5f, y = (float(texel_y) + 0.5f) / float(k) - 0.5f;
     const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
-    std::array<uint32_t, 4> patch{kNone, kNone, kNone, kNone};
+    std::array<uint32_t, 4> patch{own, kNone, kNone, kNone};
     std::array<float, 4> weight{};
     float sum = 0;
+    int used = 1;
     for (int i = 0; i < 4; ++i) {
       const int column = x0 + (i & 1), row = y0 + (i >> 1);
       const float share = (i & 1 ? x - float(x0) : 1 - (x - float(x0))) * (i >> 1 ? y - float(y0) : 1 - (y - float(y0)));
-      if (column < 0 || row < 0 || share <= 0) continue;
-      const auto found = in_square.find(uint64_t(row) * columns + uint32_t(column));
-      if (found == in_square.end()) continue;
-      const auto same = std::find_if(found->second.begin(), found->second.end(), [&](uint32_t other) {
-        return other == own || (slotOf(other).chart == slot.chart && patches.material[other] == patches.material[own] &&
-                                patches.normal[other].dot(patches.normal[own]) >= kLeastCosine);
-      });
-      if (same == found->second.end()) continue;
-      patch[i] = *same;
-      weight[i] = share;
+      if (share <= 0) continue;
+      const uint32_t other = column == texel_x / k && row == texel_y / k ? own : patchOfSquare(column, row);
+      if (other == kNone) continue;
       sum += share;
+      const auto known = std::find(patch.begin(), patch.begin() + used, other) - patch.begin();
+      if (known == used) patch[size_t(used++)] = other;
+      weight[size_t(known)] += share;
     }
-    if (sum <= 0) patch[0] = own, weight[0] = sum = 1;
     for (float& w : weight) w /= sum;
     result.slot.push_back(slot_index);
     result.patch.push_back(patch);

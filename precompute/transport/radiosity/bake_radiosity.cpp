@@ -1,0 +1,202 @@
+#include "precompute/transport/radiosity/bake_radiosity.h"
+
+#include "precompute/core/random.h"
+#include "precompute/transport/exposure.h"
+
+namespace lightwell::transport {
+namespace {
+
+constexpr uint64_t kTrainingSeed = 0x7ea1717e5ull;  // apart from the seeds that errors are measured with
+
+void require(bool condition) {
+  if (!condition) throw std::runtime_error("a task result is damaged");
+}
+
+void write(ByteWriter& writer, const RadiosityTraining::Matrix& matrix) { writer.array(std::span<const float>(matrix.data(), size_t(matrix.size()))); }
+
+RadiosityTraining::Matrix readMatrix(ByteReader& reader, size_t rows) {
+  const auto values = reader.array<float>();
+  require(rows > 0 && values.size() % rows == 0);
+  return Eigen::Map<const RadiosityTraining::Matrix>(values.data(), Eigen::Index(rows), Eigen::Index(values.size() / rows));
+}
+
+template <class Index>
+void requireRows(const std::vector<Index>& first, size_t entries) {
+  require(!first.empty() && first.front() == 0 && first.back() == entries);
+  for (size_t i = 1; i < first.size(); ++i) require(first[i - 1] <= first[i]);
+}
+
+}  // namespace
+
+struct RadiosityBaker::Impl {
+  const scene::Scene& scene;
+  const atlas::Atlas& atlas;
+  const trace::Tracer& tracer;
+  RadiositySettings settings;
+  Sides sides;
+  std::vector<float> exposed;  // per side
+  Patches patches;
+  PatchTree tree;
+  std::vector<PriorLight> lights;
+};
+
+Bytes makePatchBytes(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiositySettings& settings, int threads,
+                     const CancelFlag* cancel) {
+  const Sides sides = surfaceSides(atlas);
+  const auto exposed = exposedShare(scene, atlas, tracer, sides, settings.seed, threads, cancel);
+  PatchOptions options = settings.patches;
+  options.seed = settings.seed;
+  options.threads = threads;
+  options.cancel = cancel;
+  const Patches patches = makePatches(scene, atlas, tracer, sides, exposed, options);
+  ByteWriter writer;
+  writer.array(exposed);
+  writer.array(patches.texels_per_side);
+  writer.array(patches.first_side);
+  writer.array(patches.side);
+  writer.array(patches.patch_of_side);
+  writer.array(patches.area);
+  writer.array(patches.exposed_share);
+  writer.array(patches.position);
+  writer.array(patches.normal);
+  writer.array(patches.material);
+  return writer.take();
+}
+
+RadiosityBaker::RadiosityBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiositySettings& settings,
+                               ByteView bytes)
+    : impl_(new Impl{scene, atlas, tracer, settings, surfaceSides(atlas), {}, {}, {}, {}}) {
+  ByteReader reader(bytes);
+  Patches& patches = impl_->patches;
+  impl_->exposed = reader.array<float>();
+  patches.texels_per_side = reader.array<uint8_t>();
+  patches.first_side = reader.array<uint32_t>();
+  patches.side = reader.array<uint32_t>();
+  patches.patch_of_side = reader.array<uint32_t>();
+  patches.area = reader.array<float>();
+  patches.exposed_share = reader.array<float>();
+  patches.position = reader.array<Vec3>();
+  patches.normal = reader.array<Vec3>();
+  patches.material = reader.array<uint32_t>();
+  const size_t count = patches.area.size(), sides = impl_->sides.slot.size();
+  requireRows(patches.first_side, patches.side.size());
+  require(patches.first_side.size() == count + 1 && impl_->exposed.size() == sides && patches.patch_of_side.size() == sides);
+  for (const size_t size : {patches.texels_per_side.size(), patches.exposed_share.size(), patches.position.size(), patches.normal.size(), patches.material.size()})
+    require(size == count);
+  for (const uint32_t side : patches.side) require(side < sides);
+  colorPatches(atlas, impl_->sides, impl_->exposed, patches);
+  impl_->tree = makePatchTree(patches);
+  impl_->lights = samplePriorLights(scene, atlas, tracer, settings.training_lights, combineKeys(settings.seed, kTrainingSeed));
+}
+
+RadiosityBaker::~RadiosityBaker() = default;
+
+uint32_t RadiosityBaker::patchCount() const { return impl_->patches.count(); }
+uint32_t RadiosityBaker::trainingLightCount() const { return uint32_t(impl_->lights.size()); }
+
+Bytes RadiosityBaker::hits(uint32_t first, uint32_t end) const {
+  const HitCounts counts =
+      countHits(impl_->scene, impl_->atlas, impl_->tracer, impl_->sides, impl_->patches, impl_->settings.rays, impl_->settings.seed, first, end);
+  ByteWriter writer;
+  writer.array(counts.first);
+  writer.array(counts.patch);
+  writer.array(counts.count);
+  return writer.take();
+}
+
+Bytes RadiosityBaker::direct(uint32_t first, uint32_t end) const {
+  ByteWriter writer;
+  for (uint32_t i = first; i < end; ++i)
+    writer.array(patchIrradiance(impl_->scene, impl_->atlas, impl_->tracer, impl_->sides, impl_->patches, impl_->lights[i].light, impl_->settings.seed));
+  return writer.take();
+}
+
+Bytes RadiosityBaker::train(std::span<const ByteView> hits, std::span<const ByteView> direct) const {
+  HitCounts counts;
+  for (const ByteView bytes : hits) {
+    ByteReader reader(bytes);
+    HitCounts part;
+    part.first = reader.array<uint64_t>();
+    part.patch = reader.array<uint32_t>();
+    part.count = reader.array<uint32_t>();
+    requireRows(part.first, part.patch.size());
+    require(part.count.size() == part.patch.size());
+    for (const uint32_t patch : part.patch) require(patch < patchCount());
+    counts.append(part);
+  }
+  require(counts.first.size() == size_t(patchCount()) + 1);
+  std::vector<std::vector<float>> irradiance;
+  for (const ByteView bytes : direct)
+    for (ByteReader reader(bytes); !reader.empty();) {
+      irradiance.push_back(reader.array<float>());
+      require(irradiance.back().size() == patchCount());
+    }
+  const FormFactors factors = makeFormFactors(impl_->patches, counts, impl_->settings.rays, Reciprocity::enforced);
+  const RadiosityTraining training = trainRadiosity(impl_->patches, factors, irradiance);
+  ByteWriter writer;
+  writer.array(factors.first);
+  writer.array(factors.patch);
+  writer.array(factors.value);
+  write(writer, training.radiosity);
+  write(writer, training.irradiance);
+  return writer.take();
+}
+
+Bytes RadiosityBaker::links(uint32_t first, uint32_t end, ByteView trained) const {
+  ByteReader reader(trained);
+  FormFactors factors;
+  factors.first = reader.array<uint64_t>();
+  factors.patch = reader.array<uint32_t>();
+  factors.value = reader.array<float>();
+  requireRows(factors.first, factors.patch.size());
+  require(factors.rows() == patchCount() && factors.value.size() == factors.patch.size());
+  RadiosityTraining training;
+  training.radiosity = readMatrix(reader, patchCount());
+  training.irradiance = readMatrix(reader, patchCount());
+  LinkOptions options = impl_->settings.links;
+  options.rays = impl_->settings.rays;
+  const RadiosityLinks links = makeLinks(factors, impl_->tree, training, options, first, end);
+  const std::vector<uint64_t> transfers{factors.first[end] - factors.first[first]};
+  ByteWriter writer;
+  writer.array(links.first);
+  writer.array(links.node);
+  writer.array(links.code);
+  writer.array(links.row_scale);
+  writer.array(transfers);
+  return writer.take();
+}
+
+RadiosityResult RadiosityBaker::assemble(std::span<const ByteView> links) const {
+  RadiosityResult result;
+  result.patches = impl_->patches;
+  result.tree = impl_->tree;
+  for (const ByteView bytes : links) {
+    ByteReader reader(bytes);
+    RadiosityLinks part;
+    part.first = reader.array<uint32_t>();
+    part.node = reader.array<uint32_t>();
+    part.code = reader.array<uint8_t>();
+    part.row_scale = reader.array<float>();
+    const auto transfers = reader.array<uint64_t>();
+    requireRows(part.first, part.node.size());
+    require(part.code.size() == part.node.size() && part.row_scale.size() == part.rows() && transfers.size() == 1);
+    result.links.append(part);
+    result.raw_transfers += transfers[0];
+  }
+  require(result.links.rows() == patchCount());
+  const TexelWeights weights = makeTexelWeights(impl_->atlas, impl_->sides, impl_->patches);
+  bool has_backs = false;
+  for (const uint32_t slot : weights.slot) {
+    result.texel.push_back(impl_->atlas.slots[slot].texel);
+    result.texel_exposed.push_back(impl_->exposed[slot]);
+    const uint32_t back = impl_->sides.back_of_slot[slot];
+    result.texel_back_patch.push_back(back != kNone ? impl_->patches.patch_of_side[back] : kNone);
+    has_backs |= result.texel_back_patch.back() != kNone;
+  }
+  if (!has_backs) result.texel_back_patch.clear();
+  result.texel_patch = weights.patch;
+  result.texel_weight = weights.weight;
+  return result;
+}
+
+}  // namespace lightwell::transport

@@ -1,0 +1,53 @@
+// The stages of a radiosity bake as pure functions from bytes to bytes, so that any executor can run, cache and resume them.
+//
+//   hits(patch range)   ─┐
+//   direct(light range) ─┴▶ train ─▶ links(patch range) ─▶ assemble
+//
+// Which patches there are is a result too (makePatchBytes), known before the others are planned. Form factors know nothing of colours: hits and
+// patches outlast any change of albedo or emission.
+#pragma once
+#include <memory>
+
+#include "precompute/core/bytes.h"
+#include "precompute/transport/radiosity/radiosity.h"
+
+namespace lightwell::transport {
+
+struct RadiositySettings {
+  PatchOptions patches;
+  LinkOptions links;
+  uint32_t rays = 1024;            // per patch
+  uint32_t training_lights = 64;
+  uint64_t seed = 1;
+};
+
+/// The patches, without their colours.
+Bytes makePatchBytes(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiositySettings& settings, int threads,
+                     const CancelFlag* cancel);
+
+class RadiosityBaker {
+ public:
+  /// `scene`, `atlas` and `tracer` must outlive the baker. `patches` is makePatchBytes of the same arguments; throws std::runtime_error when it cannot be.
+  RadiosityBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiositySettings& settings, ByteView patches);
+  ~RadiosityBaker();
+
+  uint32_t patchCount() const;
+  uint32_t trainingLightCount() const;
+
+  /// What the rays of patches [first, end) meet.
+  Bytes hits(uint32_t first, uint32_t end) const;
+  /// Direct irradiance on the patches under training lights [first, end).
+  Bytes direct(uint32_t first, uint32_t end) const;
+  /// Form factors, and radiosities under the training lights. Inputs in range order.
+  Bytes train(std::span<const ByteView> hits, std::span<const ByteView> direct) const;
+  /// The compressed rows of patches [first, end).
+  Bytes links(uint32_t first, uint32_t end, ByteView trained) const;
+  /// Joins the links (in range order). `trained` only says how many transfers there were.
+  RadiosityResult assemble(std::span<const ByteView> links) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lightwell::transport

@@ -1,0 +1,24 @@
+// Radiosities of the scene under lights drawn from the prior: what decides which links matter.
+#pragma once
+#include <Eigen/Core>
+
+#include "precompute/transport/prm/light_prior.h"
+#include "precompute/transport/radiosity/form_factors.h"
+
+namespace lightwell::transport {
+
+struct RadiosityTraining {
+  using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Matrix radiosity;   // [patch][light], grey, after all bounces; each light scaled so that the patches' mean irradiance from others is 1
+  Matrix irradiance;  // [patch][light]: what each patch receives from the others
+  uint32_t lights() const { return uint32_t(radiosity.cols()); }
+};
+
+/// Direct irradiance of one grey light on the patches, shadowed, from a few points each.
+std::vector<float> patchIrradiance(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
+                                   const Patches& patches, const scene::Light& light, uint64_t seed);
+
+/// `direct` has one vector per light. Lights that hardly anything receives light from (in sealed pockets) are left out.
+RadiosityTraining trainRadiosity(const Patches& patches, const FormFactors& factors, std::span<const std::vector<float>> direct);
+
+}  // namespace lightwell::transport
