@@ -5,6 +5,7 @@
 #include "cli/environment_evaluator.h"
 #include "cli/irradiance_image.h"
 #include "cli/prm_evaluator.h"
+#include "cli/radiosity_evaluator.h"
 #include "format/encode/reader.h"
 #include "precompute/bake/container_scene.h"
 #include "precompute/plan/settings.h"
@@ -47,6 +48,15 @@ std::vector<Rgb> lightOfLamps(Session& session, const Options& options, const ba
       .irradiance_rgb;
 }
 
+std::vector<Rgb> valuesOfSlots(const atlas::Atlas& atlas, const std::vector<float>& atlas_rgba) {
+  std::vector<Rgb> values;
+  for (const atlas::Slot& slot : atlas.slots) {
+    const float* texel = &atlas_rgba[size_t(slot.texel) * 4];
+    values.push_back({texel[0], texel[1], texel[2]});
+  }
+  return values;
+}
+
 /// What the section "prm" adds, one value per slot. `sky`: LW_SKY_… bits that it may add.
 std::vector<Rgb> lightOfTransport(Session& session, const Options& options, Component component, uint32_t sky, const RuntimeContainer& runtime,
                                   const bake::ContainerScene& container, const trace::Tracer& tracer) {
@@ -58,12 +68,18 @@ std::vector<Rgb> lightOfTransport(Session& session, const Options& options, Comp
   if (component != Component::indirect) evaluation.emitters |= LW_EMITTERS_DIRECT | (sky & LW_SKY_DIRECT);
   session.console.progress("transport", "transport …");
   const std::vector<float> atlas_rgba = options.evaluator == "gl" ? evaluatePrmOnGl(evaluation) : evaluatePrmOnCpu(evaluation);
-  std::vector<Rgb> irradiance_rgb;
-  for (const atlas::Slot& slot : container.atlas.slots) {
-    const float* texel = &atlas_rgba[size_t(slot.texel) * 4];
-    irradiance_rgb.push_back({texel[0], texel[1], texel[2]});
-  }
-  return irradiance_rgb;
+  return valuesOfSlots(container.atlas, atlas_rgba);
+}
+
+/// What the section "radiosity" adds, one value per slot.
+std::vector<Rgb> lightOfRadiosity(Session& session, const Options& options, Component component, const RuntimeContainer& runtime,
+                                  const bake::ContainerScene& container, const trace::Tracer& tracer) {
+  session.console.progress("radiosity", "radiosity …");
+  RadiosityEvaluation evaluation{.container = runtime, .scene = container, .tracer = tracer, .light = 0, .samples = options.samples,
+                                 .threads = options.threads, .cancel = &session.interrupt.flag()};
+  if (component != Component::direct) evaluation.light |= LW_RADIOSITY_INDIRECT;
+  if (component != Component::indirect) evaluation.light |= LW_RADIOSITY_EMITTERS;
+  return valuesOfSlots(container.atlas, evaluateRadiosityOnCpu(evaluation));
 }
 
 std::vector<Rgb> lightOfSky(Session& session, const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container,
@@ -77,16 +93,16 @@ std::vector<Rgb> lightOfSky(Session& session, const Options& options, const Runt
 
 void run(Session& session, const Options& options) {
   checkWritable(options.output);
-  const bool by_cells = options.technique == "environment";
-  if (!by_cells && options.technique != "prm")
-    throw UsageError("--technique: this version cannot evaluate \"" + options.technique + "\" yet; it evaluates prm and environment");
+  const bool by_cells = options.technique == "environment", by_patches = options.technique == "radiosity";
+  if (!by_cells && !by_patches && options.technique != "prm")
+    throw UsageError("--technique: this version cannot evaluate \"" + options.technique + "\" yet; it evaluates prm, radiosity and environment");
   checkReadable(options.container);
   if (options.lights) checkReadable(*options.lights);
   const Component component = componentNamed(options.component);
   const format::Reader reader(options.container);
   checkHas(options.technique, options, reader);
   checkHas("geometry", options, reader);
-  if (component == Component::indirect) checkHas("prm", options, reader);
+  if (component == Component::indirect && !by_patches) checkHas("prm", options, reader);
   Diagnostics diagnostics;
   session.console.progress("open", "open …");
   bake::ContainerScene container = bake::loadContainerScene(reader, diagnostics);
@@ -107,7 +123,8 @@ void run(Session& session, const Options& options) {
   if (component != Component::indirect && !container.scene.lights.empty()) add(lightOfLamps(session, options, container, tracer));
   if (by_cells && component != Component::indirect) add(lightOfSky(session, options, runtime, container, tracer));
   const uint32_t sky = by_cells ? LW_SKY_INDIRECT : LW_SKY_INDIRECT | LW_SKY_DIRECT;
-  if (reader.has("prm")) add(lightOfTransport(session, options, component, sky, runtime, container, tracer));
+  if (by_patches) add(lightOfRadiosity(session, options, component, runtime, container, tracer));
+  else if (reader.has("prm")) add(lightOfTransport(session, options, component, sky, runtime, container, tracer));
   const ImageRgba image = imageOfSlots(container.scene.mesh, container.atlas, size, irradiance_rgb);
   writeOutput(session, options.output, [&] { writeExr(options.output, image); });
   session.console.line(options.output.string() + ": " + options.component + " irradiance of " +
@@ -121,7 +138,7 @@ void addEvaluate(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand("evaluate", "What the runtime makes of a container, as an atlas of irradiance");
   command->add_option("container", options->container, "Container to evaluate")->required()->type_name("OUT.lwc");
   addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered (half of it, or a sliver's)");
-  command->add_option("--technique", options->technique, "prm: transport of lamps, and what it holds of a sky; environment: the same, but a sky lights straight "
+  command->add_option("--technique", options->technique, "prm: transport of lamps, and what it holds of a sky; radiosity: form factors, all bounces; environment: the same, but a sky lights straight "
                    "through its cells, shadowed one by one")
       ->required()
       ->type_name("NAME")

@@ -82,6 +82,21 @@ json contentJson(const format::Reader& reader) {
                       {"has_emitter", prm.has_emitter()},
                       {"has_sky", prm.has_sky()}};
   }
+  if (reader.has("radiosity", "header")) {
+    const auto radiosity = reader.radiosity();
+    const auto names = [](const auto& items) {
+      json list = json::array();
+      for (const auto& item : items) list.push_back(item.name());
+      return list;
+    };
+    content["radiosity"] = {{"patches", radiosity.patches()},
+                            {"texels", radiosity.texels()},
+                            {"links", reader.has("radiosity", "link_node") ? reader.chunk("radiosity", "link_node").elements : 0},
+                            {"has_emission", radiosity.has_emission()},
+                            {"has_backs", radiosity.has_backs()},
+                            {"materials", names(radiosity.materials())},
+                            {"portals", names(radiosity.portals())}};
+  }
   if (reader.has("environment", "header")) {
     const auto environment = reader.environment();
     content["environment"] = {{"cells", environment.cells()},

@@ -32,6 +32,18 @@ std::unique_ptr<lw_prm, ReleasePrm> RuntimeContainer::loadPrm() const {
   return std::unique_ptr<lw_prm, ReleasePrm>(prm);
 }
 
+std::unique_ptr<lw_radiosity, ReleaseRadiosity> RuntimeContainer::loadRadiosity() const {
+  lw_radiosity* radiosity = nullptr;
+  check(lw_radiosity_load(container_.get(), &radiosity));
+  return std::unique_ptr<lw_radiosity, ReleaseRadiosity>(radiosity);
+}
+
+std::unique_ptr<lw_radiosity_state, DestroyRadiosityState> RuntimeContainer::createState(const lw_radiosity* radiosity) const {
+  lw_radiosity_state* state = nullptr;
+  check(lw_radiosity_state_create(radiosity, &state));
+  return std::unique_ptr<lw_radiosity_state, DestroyRadiosityState>(state);
+}
+
 std::unique_ptr<lw_environment, ReleaseEnvironment> RuntimeContainer::loadEnvironment() const {
   lw_environment* environment = nullptr;
   check(lw_environment_load(container_.get(), &environment));

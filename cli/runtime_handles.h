@@ -16,6 +16,12 @@ struct CloseContainer {
 struct ReleasePrm {
   void operator()(lw_prm* prm) const { lw_prm_release(prm); }
 };
+struct ReleaseRadiosity {
+  void operator()(lw_radiosity* radiosity) const { lw_radiosity_release(radiosity); }
+};
+struct DestroyRadiosityState {
+  void operator()(lw_radiosity_state* state) const { lw_radiosity_state_destroy(state); }
+};
 struct ReleaseEnvironment {
   void operator()(lw_environment* environment) const { lw_environment_release(environment); }
 };
@@ -29,6 +35,8 @@ class RuntimeContainer {
 
   lw_container* get() const { return container_.get(); }
   std::unique_ptr<lw_prm, ReleasePrm> loadPrm() const;
+  std::unique_ptr<lw_radiosity, ReleaseRadiosity> loadRadiosity() const;
+  std::unique_ptr<lw_radiosity_state, DestroyRadiosityState> createState(const lw_radiosity* radiosity) const;
   std::unique_ptr<lw_environment, ReleaseEnvironment> loadEnvironment() const;
   /// Throws for a result that is not LW_OK, with the runtime's last message.
   void check(lw_result result) const;

@@ -160,10 +160,11 @@ Writer toWriter(const Content& c) {
   array("geometry", "alpha_texture_0", c.alpha_texture, {2, 2});
   section("atlas", true);
   message("atlas", "header", c.atlas);
-  array("atlas", "source", c.source, {4, 4});
-  array("atlas", "coverage", c.coverage, {4, 4});
-  array("atlas", "albedo", c.albedo, {4, 4, 3});
-  array("atlas", "emission", c.emission, {4, 4}, ElementType::rgb9e5);
+  const uint64_t width = c.atlas_width, height = c.source.size() / width;
+  array("atlas", "source", c.source, {height, width});
+  array("atlas", "coverage", c.coverage, {height, width});
+  array("atlas", "albedo", c.albedo, {height, width, 3});
+  array("atlas", "emission", c.emission, {height, width}, ElementType::rgb9e5);
   section("prm", true);
   message("prm", "header", c.prm);
   array("prm", "entry_position", c.entry_position, {c.entry_position.size() / 3, 3});

@@ -24,6 +24,7 @@ struct Content {
   v1::AlphaMaterials alpha_material;
 
   v1::AtlasHeader atlas;
+  uint32_t atlas_width = 4;  // of the arrays, whatever the header says
   std::vector<uint32_t> source, emission;
   std::vector<uint8_t> coverage, albedo;
 

@@ -125,7 +125,7 @@ LW_API lw_result lw_open_reader(const lw_reader *reader, const lw_config *config
 /* Closes a container. What was loaded from it (lw_prm) stays valid. */
 LW_API void lw_close(lw_container *container);
 
-/* 1 when the container has this section ("scene", "geometry", "atlas", "prm", "environment") in a version that this library knows, else 0. */
+/* 1 when the container has this section ("scene", "geometry", "atlas", "prm", "environment", "radiosity") in a version that this library knows, else 0. */
 LW_API int lw_has_section(const lw_container *container, const char *section);
 
 /* ---- Scene ------------------------------------------------------------------------------------------------------------------------ */
@@ -316,6 +316,138 @@ LW_API size_t lw_prm_scratch_bytes(const lw_prm *prm);
  *   bilinear lookup is safe everywhere on the surface; other texels are zero. */
 LW_API lw_result lw_prm_evaluate(const lw_prm *prm, const float *cluster_irradiance_rgb, const lw_prm_options *options, void *scratch,
                                  size_t scratch_bytes, float *atlas_rgba);
+
+/* ---- Radiosity -------------------------------------------------------------------------------------------------------------------- */
+
+/* Form factors between patches of a static scene: what share of the light that leaves one reaches another. Albedo, emission and portals (doors,
+ * shutters) may change; every sweep over the links is one more bounce of light.
+ *
+ *   lw_radiosity_load(container, &radiosity);
+ *   lw_radiosity_state_create(radiosity, &state);
+ *   lw_radiosity_set_material(state, sign, &night); lw_radiosity_set_portal(state, door, 0.5f);    when they change
+ *   lw_radiosity_set_direct(state, e);                     every frame: irradiance of the lights at the patches,
+ *   lw_radiosity_step(state, 1);                             one bounce more on top of the last frame's light,
+ *   lw_radiosity_shade(state, NULL, atlas_rgba);             and what the atlas shows
+ *
+ * An lw_radiosity never changes and serves any number of states; it must live as long as they do. A state belongs to one thread at a time. */
+typedef struct lw_radiosity lw_radiosity;
+typedef struct lw_radiosity_state lw_radiosity_state;
+
+typedef struct lw_radiosity_info {
+  uint32_t patches;
+  uint32_t nodes;          /* patches, and groups of them that links may come from */
+  uint32_t links;
+  uint32_t texels;         /* with a value */
+  uint32_t materials;
+  uint32_t portals;
+  uint32_t gates;          /* strips of all portals */
+  uint32_t has_emission;   /* 1: some patch emits light of its own */
+  uint32_t has_backs;      /* 1: some patches lie on the backs of double-sided surfaces */
+  uint32_t width, height;  /* of the atlas */
+} lw_radiosity_info;
+
+/* Decodes and checks the form factors and the atlas's source map. Memory: 4 bytes a link, about 70 a patch, 25 a texel. Fails as
+ * lw_decode_array does.
+ *
+ * radiosity: receives a handle, to be released with lw_radiosity_release. */
+LW_API lw_result lw_radiosity_load(const lw_container *container, lw_radiosity **radiosity);
+LW_API void lw_radiosity_release(lw_radiosity *radiosity);
+
+LW_API lw_result lw_radiosity_get_info(const lw_radiosity *radiosity, lw_radiosity_info *info);
+
+/* As they were baked. Arrays live as long as the lw_radiosity. */
+typedef struct lw_radiosity_patches {
+  const float *area_m2;        /* [patches], of what is in the open */
+  const float *position_m;     /* [patches][3], mean of the surface */
+  const float *normal;         /* [patches][3], unit, on the lit side */
+  const float *albedo_rgb;     /* [patches][3] */
+  const float *emission_rgb;   /* [patches][3], radiance */
+  const uint16_t *material;    /* [patches] */
+} lw_radiosity_patches;
+LW_API lw_result lw_radiosity_get_patches(const lw_radiosity *radiosity, lw_radiosity_patches *patches);
+
+/* Which patches a texel shows. Arrays live as long as the lw_radiosity. */
+typedef struct lw_radiosity_texels {
+  const uint32_t *texel;       /* [texels], of the atlas; ascending */
+  const uint32_t *patch;       /* [texels][4], first the one that the texel's surface belongs to; 0xffffffff: none */
+  const uint8_t *weight;       /* [texels][4], / 255 */
+  const uint8_t *exposed;      /* [texels], share of the texel's surface that is in the open, / 255 */
+  const uint32_t *back_patch;  /* [texels], of the back of double-sided surfaces, or 0xffffffff; NULL without backs */
+} lw_radiosity_texels;
+LW_API lw_result lw_radiosity_get_texels(const lw_radiosity *radiosity, lw_radiosity_texels *texels);
+
+/* The material's name in the glTF file, maybe empty; lives as long as the lw_radiosity. NULL for an index beyond the last. */
+LW_API const char *lw_radiosity_material_name(const lw_radiosity *radiosity, uint32_t material);
+
+/* An opening that is cut into strips side by side, each of them a gate. */
+typedef struct lw_radiosity_portal {
+  const char *name;            /* lives as long as the lw_radiosity */
+  uint32_t first_gate, gates;
+} lw_radiosity_portal;
+/* LW_NOT_FOUND for an index beyond the last. */
+LW_API lw_result lw_radiosity_get_portal(const lw_radiosity *radiosity, uint32_t index, lw_radiosity_portal *portal);
+
+/* Dark, with materials as they were baked and all portals open. Memory: about 100 bytes a patch. */
+LW_API lw_result lw_radiosity_state_create(const lw_radiosity *radiosity, lw_radiosity_state **state);
+LW_API void lw_radiosity_state_destroy(lw_radiosity_state *state);
+
+/* No amount of light, factor or colour that is handed in may be greater. */
+#define LW_RADIOSITY_MOST 1e24f
+
+/* What becomes of a material: baked value * factor + value. All numbers 0 to LW_RADIOSITY_MOST; an albedo above 0.999 counts as 0.999. */
+typedef struct lw_radiosity_material {
+  float albedo_factor_rgb[3], albedo_rgb[3];
+  float emission_factor_rgb[3], emission_rgb[3];   /* radiance */
+} lw_radiosity_material;
+#define LW_RADIOSITY_MATERIAL_INIT {{1, 1, 1}, {0, 0, 0}, {1, 1, 1}, {0, 0, 0}}
+
+/* LW_NOT_FOUND for an index beyond the last, LW_INVALID_ARGUMENT for values out of range. */
+LW_API lw_result lw_radiosity_set_material(lw_radiosity_state *state, uint32_t index, const lw_radiosity_material *material);
+/* open: 0 to 1. A portal opens its strips one after the other, the last one partly. */
+LW_API lw_result lw_radiosity_set_portal(lw_radiosity_state *state, uint32_t index, float open);
+LW_API lw_result lw_radiosity_set_gate(lw_radiosity_state *state, uint32_t gate, float open);
+/* irradiance_rgb: [patches][3], of lights, shadowed, mean over what of the patch is in the open; 0 to LW_RADIOSITY_MOST. */
+LW_API lw_result lw_radiosity_set_direct(lw_radiosity_state *state, const float *irradiance_rgb);
+
+/* Sweeps over all links, each of them one more bounce, from the light that was there: last frame's is the start of this one's, and bounces beyond
+ * the first cost nothing more. */
+LW_API lw_result lw_radiosity_step(lw_radiosity_state *state, uint32_t sweeps);
+
+typedef struct lw_radiosity_report {
+  uint32_t sweeps;         /* that were done */
+  double residual;         /* rms of what the last changed, over rms of the irradiance */
+} lw_radiosity_report;
+
+/* Sweeps until all bounces are there: until the residual is at most `tolerance` (> 0), or rounding lets it fall no further, or most_sweeps are done.
+ * The relative error is at most about residual / (1 − greatest albedo). Accelerated, so that closed rooms of albedo 0.999 take tens of sweeps.
+ * Temporary memory: 300 bytes a patch.
+ *
+ * report: NULL, or receives what was reached. */
+LW_API lw_result lw_radiosity_solve(lw_radiosity_state *state, double tolerance, uint32_t most_sweeps, lw_radiosity_report *report);
+
+/* Kinds of light: bits. */
+enum {
+  LW_RADIOSITY_INDIRECT = 1,   /* after at least one reflection */
+  LW_RADIOSITY_EMITTERS = 2,   /* straight from emitting patches */
+  LW_RADIOSITY_LIGHTS = 4      /* straight from lights: lw_radiosity_set_direct, as coarse as patches are */
+};
+
+/* light: LW_RADIOSITY_… bits. irradiance_rgb: [patches][3], ≥ 0. */
+LW_API lw_result lw_radiosity_get_irradiance(lw_radiosity_state *state, uint32_t light, float *irradiance_rgb);
+
+typedef struct lw_radiosity_shading {
+  size_t size;             /* sizeof(lw_radiosity_shading), set by LW_RADIOSITY_SHADING_INIT */
+  uint32_t light;          /* LW_RADIOSITY_… bits */
+  uint32_t fill;           /* 1: for display, gutters and buried texels show the value of their source; 0: for measuring, each texel with a value has
+                              the mean over the surface in it, others are zero */
+} lw_radiosity_shading;
+#define LW_RADIOSITY_SHADING_INIT {sizeof(lw_radiosity_shading), LW_RADIOSITY_INDIRECT | LW_RADIOSITY_EMITTERS, 1}
+
+/* Irradiance of every texel, interpolated between patches.
+ *
+ * shading: NULL for LW_RADIOSITY_SHADING_INIT.
+ * atlas_rgba: [height][width][4]; alpha 1 where a texel has a value. */
+LW_API lw_result lw_radiosity_shade(lw_radiosity_state *state, const lw_radiosity_shading *shading, float *atlas_rgba);
 
 /* ---- Environment light ------------------------------------------------------------------------------------------------------------ */
 

@@ -157,6 +157,55 @@ LW_API lw_result lw_gl_read_entries(lw_gl_prm *gl_prm, float *entry_irradiance_r
 LW_API lw_result lw_gl_read_clusters(lw_gl_prm *gl_prm, float *cluster_irradiance_rgb);   /* [clusters][3] */
 LW_API lw_result lw_gl_read_atlas(lw_gl_prm *gl_prm, float *atlas_rgba);                  /* [height][width][4] */
 
+/* ---- Radiosity -------------------------------------------------------------------------------------------------------------------- */
+
+/* Form factors on the GPU, the light that they carry, and the atlas texture that it is shown in.
+ *
+ *   lw_gl_radiosity_create(gl, radiosity, NULL, &gl_radiosity);     uploads the links; materials as baked, portals open, darkness
+ *   lw_gl_radiosity_upload(gl_radiosity, state, LW_GL_RADIOSITY_DIRECT);   every frame: what the game changed in a state on the CPU,
+ *   lw_gl_radiosity_step(gl_radiosity, 1);                                   one bounce more on top of the last frame's light,
+ *   lw_gl_radiosity_shade(gl_radiosity, NULL);                               and the atlas texture */
+typedef struct lw_gl_radiosity lw_gl_radiosity;
+
+typedef struct lw_gl_radiosity_options {
+  size_t size;              /* sizeof(lw_gl_radiosity_options), set by LW_GL_RADIOSITY_OPTIONS_INIT */
+  uint32_t atlas_format;    /* as in lw_gl_prm_options */
+  uint32_t atlas_texture;   /* as in lw_gl_prm_options */
+} lw_gl_radiosity_options;
+#define LW_GL_RADIOSITY_OPTIONS_INIT {sizeof(lw_gl_radiosity_options), LW_GL_ATLAS_RGBA16F, 0}
+
+/* Uploads form factors. `radiosity` is not used afterwards (states are, by lw_gl_radiosity_upload).
+ * Fails with LW_LIMIT_EXCEEDED (texture sizes; more than 2^22 patches and nodes), LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT. */
+LW_API lw_result lw_gl_radiosity_create(lw_gl *gl, const lw_radiosity *radiosity, const lw_gl_radiosity_options *options,
+                                        lw_gl_radiosity **gl_radiosity);
+LW_API void lw_gl_radiosity_destroy(lw_gl_radiosity *gl_radiosity);
+
+/* As lw_gl_prm_atlas_texture and lw_gl_prm_texture_bytes. */
+LW_API uint32_t lw_gl_radiosity_atlas_texture(const lw_gl_radiosity *gl_radiosity);
+LW_API uint64_t lw_gl_radiosity_texture_bytes(const lw_gl_radiosity *gl_radiosity);
+
+/* What of a state is uploaded: bits. */
+enum { LW_GL_RADIOSITY_MATERIALS = 1, LW_GL_RADIOSITY_PORTALS = 2, LW_GL_RADIOSITY_DIRECT = 4 };
+/* Takes over what a state of the same form factors says; the light that the state holds is not touched. 16 bytes a patch for direct light, 32 for
+ * materials, 4 a gate set for portals. */
+LW_API lw_result lw_gl_radiosity_upload(lw_gl_radiosity *gl_radiosity, const lw_radiosity_state *state, uint32_t what);
+
+/* lw_radiosity_step on the GPU: each sweep fetches twice for each link, and is three draws and two more for each level of nodes. */
+LW_API lw_result lw_gl_radiosity_step(lw_gl_radiosity *gl_radiosity, uint32_t sweeps);
+
+/* All bounces, without a read-back: as many Chebyshev-accelerated sweeps as bring any error down to `tolerance` (> 0) of what it was, which the greatest albedo
+ * times a row's sum gives; at most most_sweeps. For 0.01: 5 at albedo 0.5, 12 at 0.9, 38 at 0.99, 119 at 0.999.
+ *
+ * sweeps: NULL, or receives their number. */
+LW_API lw_result lw_gl_radiosity_solve(lw_gl_radiosity *gl_radiosity, double tolerance, uint32_t most_sweeps, uint32_t *sweeps);
+
+/* lw_radiosity_shade on the GPU, into the atlas texture. shading: NULL for LW_RADIOSITY_SHADING_INIT. */
+LW_API lw_result lw_gl_radiosity_shade(lw_gl_radiosity *gl_radiosity, const lw_radiosity_shading *shading);
+
+/* For tools and tests; waits for the GPU. irradiance_rgb: [patches][3], from other patches; atlas_rgba: [height][width][4]. */
+LW_API lw_result lw_gl_radiosity_read_irradiance(lw_gl_radiosity *gl_radiosity, float *irradiance_rgb);
+LW_API lw_result lw_gl_radiosity_read_atlas(lw_gl_radiosity *gl_radiosity, float *atlas_rgba);
+
 /* ---- Environment light ------------------------------------------------------------------------------------------------------------ */
 
 /* A sky on the GPU: its cells in a uniform block, a prefiltered picture for what is not hidden, and a depth map for each cell.

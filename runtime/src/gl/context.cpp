@@ -94,6 +94,18 @@ lw_result lw_gl::compilePrograms() {
     result = compile(*this, "reconstruction", {kAddress, kLocalBases, kOwnValue, kReconstruct},
                      {"lw_texel_map", "lw_basis", "lw_amount", "u_constant", "u_buried"},
                      {"lw_quads", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count"}, reconstruct);
+  if (!result)
+    result = compile(*this, "patch radiosity", {kAddress, kRadiosityPatches}, {"u_albedo", "u_emitted", "u_direct", "u_irradiance"},
+                     {"u_patches", "u_emitters_only"}, radiosity_patches);
+  if (!result)
+    result = compile(*this, "node radiosity", {kAddress, kRadiosityNodes}, {"u_node", "u_share"}, {"u_begin", "u_end", "u_child_begin"}, radiosity_nodes);
+  if (!result)
+    result = compile(*this, "radiosity gathering", {kAddress, kRadiosityGather}, {"u_link", "u_row", "u_run", "u_gate", "u_node", "u_previous"},
+                     {"u_patches", "u_omega"}, radiosity_gather);
+  if (!result)
+    result = compile(*this, "radiosity", {kAddress, kRadiosityShade},
+                     {"u_texel_map", "u_texel_patch", "u_texel_weight", "u_irradiance", "u_emitters", "u_direct"}, {"u_fill", "u_amounts", "u_max"},
+                     radiosity_shade);
   return result;
 }
 
@@ -130,7 +142,8 @@ void lw_gl_destroy(lw_gl* context) {
   api.DeleteVertexArrays(1, &context->vertex_array);
   api.DeleteSamplers(2, context->shadow_sampler);
   for (const gl::Program* program : {&context->entries, &context->clusters, &context->rank, &context->select, &context->panes,
-                                     &context->coefficients, &context->reconstruct})
+                                     &context->coefficients, &context->reconstruct, &context->radiosity_patches, &context->radiosity_nodes,
+                                     &context->radiosity_gather, &context->radiosity_shade})
     if (program->name) api.DeleteProgram(program->name);
   lightwell::runtime::destroyHandle(context);
 }

@@ -21,6 +21,7 @@ struct lw_gl {
   uint32_t vertex_array = 0;           // empty: vertices come from gl_VertexID
   uint32_t shadow_sampler[2] = {};     // plain, reversed depth
   Program entries, clusters, rank, select, panes, coefficients, reconstruct;
+  Program radiosity_patches, radiosity_nodes, radiosity_gather, radiosity_shade;
 
   lw_result compilePrograms();
 };
@@ -48,6 +49,18 @@ enum { blocks, quads };
 }
 namespace reconstruct_uniform {
 enum { quads, emitters, constants, sky, max, fill, buried_count };
+}
+namespace radiosity_patches_uniform {
+enum { patches, emitters_only };
+}
+namespace radiosity_nodes_uniform {
+enum { begin, end, child_begin };
+}
+namespace radiosity_gather_uniform {
+enum { patches, omega };
+}
+namespace radiosity_shade_uniform {
+enum { fill, amounts, max };
 }
 
 }  // namespace lightwell::runtime::gl

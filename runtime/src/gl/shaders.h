@@ -13,5 +13,6 @@ extern const char kLight[], kAtlas[], kLocalBases[], kEnvironment[];  // public 
 extern const char kOwnValue[];    // lwEntry, lwEmitted: what a texel shows, and what buried texels have themselves
 // Fragment shaders.
 extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kCoefficients[], kReconstruct[];
+extern const char kRadiosityPatches[], kRadiosityNodes[], kRadiosityGather[], kRadiosityShade[];
 
 }  // namespace lightwell::runtime::gl::glsl

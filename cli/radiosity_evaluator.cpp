@@ -1,0 +1,116 @@
+#include "cli/radiosity_evaluator.h"
+
+#include <algorithm>
+
+#include "precompute/core/random.h"
+#include "precompute/transport/reference/punctual.h"
+
+namespace lightwell::cli {
+namespace {
+
+constexpr uint64_t kSeed = 1;
+constexpr uint32_t kNone = 0xffffffffu;
+constexpr double kTolerance = 1e-7;
+constexpr uint32_t kMostSweeps = 1000;
+enum Dimension : uint32_t { kPiece = 0, kPlace = 1, kLight = 2 };
+enum Side : uint32_t { kFront = 0, kBack = 1 };
+
+/// Light of lamps at points of surfaces.
+class LampLight {
+ public:
+  explicit LampLight(const RadiosityEvaluation& evaluation) : evaluation_(evaluation), lights_(evaluation.scene.scene.lights) {}
+
+  /// Mean over the slot's surface on one side, of what is hidden too.
+  Rgb meanOver(const atlas::Slot& slot, Side side, uint32_t points) {
+    const Sampler sampler(kSeed, uint64_t(slot.texel) * 2 + side);
+    const bake::ContainerScene& scene = evaluation_.scene;
+    rays_.clear(), light_.clear();
+    for (uint32_t i = 0; i < points; ++i) {
+      const auto point = atlas::sampleSlot(scene.scene.mesh, scene.atlas, slot, sampler.get1D(i, kPiece), sampler.get2D(i, kPlace));
+      const Vec3 normal = side == kBack ? -point.normal : point.normal, facing = side == kBack ? -point.geometric_normal : point.geometric_normal;
+      samples_.clear();
+      lights_.sample(point.position, normal, true, sampler.get1D(i, kLight), samples_);
+      for (const auto& sample : samples_) {
+        if (!(sample.to_light.dot(facing) > 0)) continue;
+        rays_.push_back({.origin = trace::Tracer::offsetOrigin(point.position, facing, sample.to_light), .direction = sample.to_light,
+                         .t_max = sample.distance * (1.0f - 1e-4f), .key = uint32_t(rays_.size())});
+        light_.push_back(sample.irradiance_rgb);
+      }
+    }
+    visibility_.resize(rays_.size());
+    evaluation_.tracer.transmittance(rays_, visibility_);
+    Vec3d sum(0.0);
+    for (size_t i = 0; i < rays_.size(); ++i) sum += Vec3d(light_[i]) * double(visibility_[i]);
+    return Rgb(sum / double(points));
+  }
+
+ private:
+  const RadiosityEvaluation& evaluation_;
+  transport::PunctualLights lights_;
+  std::vector<transport::PunctualLights::Sample> samples_;
+  std::vector<trace::Ray> rays_;
+  std::vector<Rgb> light_;
+  std::vector<float> visibility_;
+};
+
+}  // namespace
+
+std::vector<float> tracedPatchIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity) {
+  lw_radiosity_info info;
+  lw_radiosity_patches patches;
+  lw_radiosity_texels texels;
+  evaluation.container.check(lw_radiosity_get_info(radiosity, &info));
+  evaluation.container.check(lw_radiosity_get_patches(radiosity, &patches));
+  evaluation.container.check(lw_radiosity_get_texels(radiosity, &texels));
+  std::vector<float> irradiance_rgb(size_t(info.patches) * 3);
+  const bake::ContainerScene& scene = evaluation.scene;
+  if (scene.scene.lights.empty()) return irradiance_rgb;
+
+  // A patch has many texels: an eighth of the points of each are enough.
+  const uint32_t points = std::max(evaluation.samples / 8, 1u);
+  struct Received {
+    Rgb front{0.0f}, back{0.0f};
+  };
+  std::vector<Received> received(info.texels);
+  const auto slotOf = [&](size_t i) { return texels.texel[i] < scene.atlas.texel_slot.size() ? scene.atlas.texel_slot[texels.texel[i]] : kNone; };
+  parallelFor(info.texels, 64, evaluation.threads, evaluation.cancel, [&](size_t begin, size_t end) {
+    LampLight light(evaluation);
+    for (size_t i = begin; i < end; ++i) {
+      const uint32_t slot = slotOf(i);
+      if (slot == kNone) continue;
+      received[i].front = light.meanOver(scene.atlas.slots[slot], kFront, points);
+      if (texels.back_patch && texels.back_patch[i] != kNone) received[i].back = light.meanOver(scene.atlas.slots[slot], kBack, points);
+    }
+  });
+  const double metres2 = double(scene.scene.metres_per_unit) * double(scene.scene.metres_per_unit);
+  std::vector<double> power(irradiance_rgb.size());
+  for (size_t i = 0; i < info.texels; ++i) {
+    const uint32_t slot = slotOf(i);
+    if (slot == kNone) continue;
+    const double area_m2 = double(scene.atlas.slots[slot].area) * metres2;
+    for (int k = 0; k < 3; ++k) {
+      power[size_t(texels.patch[i * 4]) * 3 + size_t(k)] += area_m2 * double(received[i].front[k]);
+      if (texels.back_patch && texels.back_patch[i] != kNone) power[size_t(texels.back_patch[i]) * 3 + size_t(k)] += area_m2 * double(received[i].back[k]);
+    }
+  }
+  for (size_t i = 0; i < power.size(); ++i) irradiance_rgb[i] = float(power[i] / double(patches.area_m2[i / 3]));
+  return irradiance_rgb;
+}
+
+std::vector<float> evaluateRadiosityOnCpu(const RadiosityEvaluation& evaluation) {
+  const RuntimeContainer& container = evaluation.container;
+  const auto radiosity = container.loadRadiosity();
+  const auto state = container.createState(radiosity.get());
+  container.check(lw_radiosity_set_direct(state.get(), tracedPatchIrradiance(evaluation, radiosity.get()).data()));
+  container.check(lw_radiosity_solve(state.get(), kTolerance, kMostSweeps, nullptr));
+  lw_radiosity_info info;
+  container.check(lw_radiosity_get_info(radiosity.get(), &info));
+  lw_radiosity_shading shading = LW_RADIOSITY_SHADING_INIT;
+  shading.light = evaluation.light;
+  shading.fill = 0;
+  std::vector<float> atlas_rgba(size_t(info.width) * info.height * 4);
+  container.check(lw_radiosity_shade(state.get(), &shading, atlas_rgba.data()));
+  return atlas_rgba;
+}
+
+}  // namespace lightwell::cli

@@ -1,0 +1,29 @@
+// Evaluating the section "radiosity" with the runtime: on the CPU, or on OpenGL without a window.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "cli/runtime_handles.h"
+#include "precompute/bake/container_scene.h"
+#include "precompute/core/parallel.h"
+#include "precompute/trace/tracer.h"
+
+namespace lightwell::cli {
+
+struct RadiosityEvaluation {
+  const RuntimeContainer& container;
+  const bake::ContainerScene& scene;   // of the container; its lights shine
+  const trace::Tracer& tracer;         // of that scene
+  uint32_t light = LW_RADIOSITY_INDIRECT;  // LW_RADIOSITY_… bits to add
+  uint32_t samples = 64;               // points of each texel at which light of lamps is sampled
+  int threads = 0;
+  const CancelFlag* cancel = nullptr;
+};
+
+/// Irradiance, [height * width][4], all bounces: each texel's own mean, not what it shows in a game; A = 1 where there is a value.
+std::vector<float> evaluateRadiosityOnCpu(const RadiosityEvaluation& evaluation);
+
+/// Direct irradiance of the scene's lights on the patches, [patches][3], from rays: the power that falls on a patch over its exposed area.
+std::vector<float> tracedPatchIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity);
+
+}  // namespace lightwell::cli

@@ -1,0 +1,35 @@
+// Form factors on the GPU, and the light that they carry there.
+#pragma once
+#include "runtime/src/gl/context.h"
+#include "runtime/src/gl/texture.h"
+#include "runtime/src/radiosity.h"
+
+struct lw_gl_radiosity {
+  using Name = lightwell::runtime::gl::Name;
+  using Target = lightwell::runtime::gl::Target;
+  template <class T>
+  using Array = lightwell::runtime::Array<T>;
+
+  lightwell::runtime::Host host;
+  lw_gl* context = nullptr;
+  uint32_t patches = 0, gate_sets = 0, materials = 0, width = 0, height = 0;
+  uint32_t levels = 0, level_first[lightwell::runtime::kMostRadiosityLevels + 1] = {};
+  uint64_t texture_bytes = 0;
+  bool owns_atlas = false, emits = false, emitters_valid = false;
+  float max_value = 0;                    // of the atlas's format
+  Array<float> row_sum;                   // [patches]: share of what leaves the others that is received, at most
+  float gain_rgb[3] = {};                 // bound on what a sweep leaves of an error
+
+  Name link = 0, row = 0, run = 0;        // R32UI, RGBA32UI, RG32UI lists; see kRadiosityGather
+  Name gate = 0;                          // R32F list, by gate set
+  Name share = 0;                         // R32F list, by node; see kRadiosityNodes
+  Name albedo = 0, emitted = 0;           // RGBA32F lists, by patch
+  Name texel_map = 0;                     // RG32UI, width × height: what a texel shows, what it has; 0xffffffff: nothing
+  Name texel_patch = 0, texel_weight = 0; // RGBA32UI list; RG32UI list: four weights of eight bits, exposure
+
+  Target direct, emitters;                // by patch: irradiance of lights, of emitters
+  Target irradiance[3];                   // by patch: the last solution, the one before, the next; they take turns
+  uint32_t current = 0;
+  Target node, level;                     // radiosities of all nodes; of one level while it is made
+  Target atlas;
+};
