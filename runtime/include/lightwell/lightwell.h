@@ -409,6 +409,22 @@ LW_API lw_result lw_radiosity_set_gate(lw_radiosity_state *state, uint32_t gate,
 /* irradiance_rgb: [patches][3], of lights, shadowed, mean over what of the patch is in the open; 0 to LW_RADIOSITY_MOST. */
 LW_API lw_result lw_radiosity_set_direct(lw_radiosity_state *state, const float *irradiance_rgb);
 
+/* Light of moving lamps on the patches, without a ray tracer: pictures of what each lamp sees, drawn on the CPU from the container's own triangles. Six faces
+ * for a point light, one for a spot (six for a very wide one), an orthographic one for a directional light. Each pixel hands the light of its exact
+ * solid angle to the patch that it sees, so that the power is the lamp's at any number of pixels. Cut-outs let light through; blended surfaces stop it where
+ * they cover half. The backs of single-sided surfaces absorb it. Things that are not in the container cast no shadow.
+ *
+ * An injector has scratch memory: one thread at a time. It needs its lw_radiosity, not the container. */
+typedef struct lw_radiosity_injector lw_radiosity_injector;
+/* side: pixels along a view, 8 to 4096; 128 is enough for most rooms. Memory: the geometry, 4 bytes an atlas texel, 12 a pixel. Fails as lw_decode_array
+ * does, LW_NOT_FOUND when the container has no geometry. */
+LW_API lw_result lw_radiosity_injector_create(const lw_container *container, const lw_radiosity *radiosity, uint32_t side,
+                                              lw_radiosity_injector **injector);
+LW_API void lw_radiosity_injector_destroy(lw_radiosity_injector *injector);
+/* irradiance_rgb: [patches][3], receives what all lights give: what lw_radiosity_set_direct takes. LW_INVALID_ARGUMENT names the light whose values are
+ * out of range. */
+LW_API lw_result lw_radiosity_inject(lw_radiosity_injector *injector, const lw_light *lights, uint32_t light_count, float *irradiance_rgb);
+
 /* Sweeps over all links, each of them one more bounce, from the light that was there: last frame's is the start of this one's, and bounces beyond
  * the first cost nothing more. */
 LW_API lw_result lw_radiosity_step(lw_radiosity_state *state, uint32_t sweeps);
