@@ -32,7 +32,7 @@ transport::RadiositySettings radiositySettings(const plan::Settings& settings) {
       radiosity.links.link_error = 0.06f, radiosity.links.uneven = 0.003f;
       break;
     case plan::Quality::preview:
-      radiosity.rays = 512, radiosity.training_lights = 32, radiosity.patches.most = 8000;
+      radiosity.rays = 768, radiosity.training_lights = 32, radiosity.patches.most = 8000;
       radiosity.links.link_error = 0.04f, radiosity.links.uneven = 0.002f;
       break;
     case plan::Quality::production: break;  // the estimator's defaults

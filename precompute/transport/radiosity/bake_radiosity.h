@@ -16,7 +16,7 @@ namespace lightwell::transport {
 struct RadiositySettings {
   PatchOptions patches;
   LinkOptions links;
-  uint32_t rays = 1024;            // per patch
+  uint32_t rays = 2048;            // per patch
   uint32_t training_lights = 64;
   uint64_t seed = 1;
 };

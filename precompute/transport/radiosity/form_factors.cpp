@@ -43,9 +43,13 @@ void balance(const std::vector<double>& share, FormFactors& factors) {
     }
     scale = std::move(next);
   }
-  for (uint32_t row = 0; row < factors.rows(); ++row)
-    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i)
-      factors.value[i] = float(factors.value[i] * scale[row] * scale[factors.patch[i]]);
+  for (uint32_t row = 0; row < factors.rows(); ++row) {
+    // What the sweeps have left, a few parts in ten thousand, goes into the row: sums matter more than the last digit of reciprocity.
+    double sum = 0;
+    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i) sum += factors.value[i] * scale[factors.patch[i]];
+    const double factor = sum > 0 ? share[row] / sum : 0.0;
+    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i) factors.value[i] = float(factors.value[i] * factor * scale[factors.patch[i]]);
+  }
 }
 
 }  // namespace

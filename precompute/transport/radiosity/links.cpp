@@ -29,11 +29,42 @@ RadiosityTraining::Matrix nodeRadiosity(const PatchTree& tree, const RadiosityTr
   return node;
 }
 
+// What the patches of a node have to see in common, as a share: across a wall nothing, through a door a few hundredths, within a room about all.
+constexpr float kSameSurroundings = 0.3f;
+
+/// Per node whether its patches see the same surroundings. Nodes that do not, because they lie on both sides of a wall, merge for nobody: light that no training
+/// light showed could leak through them.
+std::vector<char> seeTheSame(const FormFactors& factors, const PatchTree& tree) {
+  const uint32_t level = std::min(2u, tree.levelCount() - 1), first_bin = tree.level_first[level];
+  std::vector<uint32_t> bin_of_patch(factors.rows());
+  for (uint32_t node = first_bin; node < tree.level_first[level + 1]; ++node)
+    std::fill(bin_of_patch.begin() + tree.first_patch[node], bin_of_patch.begin() + tree.end_patch[node], node - first_bin);
+  // What every node sees, by larger nodes.
+  RadiosityTraining::Matrix seen = RadiosityTraining::Matrix::Zero(tree.nodeCount(), Eigen::Index(tree.level_first[level + 1] - first_bin));
+  for (uint32_t row = 0; row < factors.rows(); ++row)
+    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i) seen(row, bin_of_patch[factors.patch[i]]) += factors.value[i];
+  std::vector<char> same(tree.nodeCount(), 1);
+  for (uint32_t node = tree.level_first[1]; node < tree.nodeCount(); ++node) {
+    const uint32_t index = node - tree.level_first[1], begin = tree.first_child[index], end = tree.first_child[index + 1];
+    for (uint32_t child = begin; child < end; ++child) seen.row(node) += seen.row(child) * tree.area[child];
+    for (uint32_t child = begin; child < end && same[node]; ++child) {
+      if (!same[child]) same[node] = 0;
+      if (end - begin < 2) continue;
+      const Vector own = seen.row(child), others = (seen.row(node) - own * tree.area[child]) / std::max(tree.area[node] - tree.area[child], 1e-30f);
+      const float less = std::min(own.sum(), others.sum());
+      if (own.cwiseMin(others).sum() < kSameSurroundings * less) same[node] = 0;
+    }
+    seen.row(node) /= tree.area[node];
+  }
+  return same;
+}
+
 /// Compresses single rows.
 class RowMerger {
  public:
   RowMerger(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options)
-      : factors_(factors), tree_(tree), training_(training), node_radiosity_(nodeRadiosity(tree, training.radiosity)), options_(options), most_(options.link_error) {}
+      : factors_(factors), tree_(tree), training_(training), node_radiosity_(nodeRadiosity(tree, training.radiosity)), mergeable_(seeTheSame(factors, tree)),
+        options_(options), most_(options.link_error) {}
 
   std::vector<Link> links(uint32_t row) {
     begin(row);
@@ -97,7 +128,7 @@ class RowMerger {
     for (size_t begin = 0, end; begin < links_.size(); begin = end) {
       while (tree_.end_patch[node] <= tree_.first_patch[links_[begin].node]) ++node;
       for (end = begin; end < links_.size() && tree_.first_patch[links_[end].node] < tree_.end_patch[node];) ++end;
-      if (end - begin < 2) continue;
+      if (end - begin < 2 || !mergeable_[node]) continue;
       Candidate candidate{node, begin, end, {node, 0.0f, Vector::Zero(training_.lights())}, 0.0f};
       Link& merged = candidate.merged;
       for (size_t i = begin; i < end; ++i) {
@@ -167,6 +198,7 @@ class RowMerger {
   const PatchTree& tree_;
   const RadiosityTraining& training_;
   RadiosityTraining::Matrix node_radiosity_;
+  std::vector<char> mergeable_;  // per node
   LinkOptions options_;
   float most_;
   uint32_t row_ = 0;

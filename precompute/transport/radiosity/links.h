@@ -27,10 +27,10 @@ uint8_t linkCode(float weight);
 struct LinkOptions {
   /// Neighbours merge into their node, and small links are dropped, up to this relative error of the row's irradiance (rms over the training lights, each
   /// relative to the row's irradiance and a tenth of the scene's mean).
-  float link_error = 0.03f;
+  float link_error = 0.025f;
   /// And only where form factors spread over the node as its area does, up to this deviation (root of the sum of squares over its patches, beyond what the noise
   /// of the rays explains): right for lights that nobody trained on.
-  float uneven = 0.0015f;
+  float uneven = 0.001f;
   float prune = 0.002f;  // share of a row's sum that dropped links may have carried; the others take over
   uint32_t rays = 1024;  // that were traced from each patch
 };
