@@ -22,6 +22,7 @@ struct Options {
   std::string technique, evaluator = "cpu", component = "total";
   std::optional<fs::path> lights;
   std::optional<uint32_t> brightest;
+  std::optional<uint32_t> injection;
   uint32_t samples = 64;
   render::EnvironmentSettings environment;
   int threads = 0;
@@ -76,10 +77,10 @@ std::vector<Rgb> lightOfRadiosity(Session& session, const Options& options, Comp
                                   const bake::ContainerScene& container, const trace::Tracer& tracer) {
   session.console.progress("radiosity", "radiosity …");
   RadiosityEvaluation evaluation{.container = runtime, .scene = container, .tracer = tracer, .light = 0, .samples = options.samples,
-                                 .threads = options.threads, .cancel = &session.interrupt.flag()};
+                                 .injection = options.injection, .threads = options.threads, .cancel = &session.interrupt.flag()};
   if (component != Component::direct) evaluation.light |= LW_RADIOSITY_INDIRECT;
   if (component != Component::indirect) evaluation.light |= LW_RADIOSITY_EMITTERS;
-  return valuesOfSlots(container.atlas, evaluateRadiosityOnCpu(evaluation));
+  return valuesOfSlots(container.atlas, options.evaluator == "gl" ? evaluateRadiosityOnGl(evaluation) : evaluateRadiosityOnCpu(evaluation));
 }
 
 std::vector<Rgb> lightOfSky(Session& session, const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container,
@@ -112,6 +113,7 @@ void run(Session& session, const Options& options) {
   session.interrupt.flag().check();
 
   const RuntimeContainer runtime(options.container);
+  if (options.injection && !by_patches) throw UsageError("--injection: only --technique radiosity injects light into patches");
   if (options.brightest && reader.has("prm") && reader.prm().layout() != v1::PRM_LAYOUT_PANES)
     throw UsageError("--brightest: " + reader.file() + " has local bases, which are always summed whole; only panes can be left out");
 
@@ -153,6 +155,12 @@ void addEvaluate(CLI::App& app, Session& session) {
                    "Panes only: sum the K that give most light, scaled to keep the energy of all; 0: all")
       ->type_name("K")
       ->check(CLI::Range(0u, 1u << 20));
+  command
+      ->add_option("--injection", options->injection,
+                   "Radiosity only: lamps' light on the patches as a game finds it, from pictures of patch numbers with N x N pixels (each of six faces of a point light), "
+                   "instead of from rays")
+      ->type_name("N")
+      ->check(CLI::Range(8u, 4096u));
   addLights(*command, options->lights);
   command->add_option("--samples", options->samples, "Points of each texel at which light of lamps and cells is sampled")
       ->type_name("N")

@@ -12,6 +12,10 @@ struct DestroyGl {
 struct DestroyGlPrm {
   void operator()(lw_gl_prm* prm) const { lw_gl_prm_destroy(prm); }
 };
+struct DestroyGlRadiosity {
+  void operator()(lw_gl_radiosity* gl_radiosity) const { lw_gl_radiosity_destroy(gl_radiosity); }
+};
+using GlRadiosityHandle = std::unique_ptr<lw_gl_radiosity, DestroyGlRadiosity>;
 using GlHandle = std::unique_ptr<lw_gl, DestroyGl>;
 using GlPrmHandle = std::unique_ptr<lw_gl_prm, DestroyGlPrm>;
 

@@ -53,9 +53,7 @@ class LampLight {
   std::vector<float> visibility_;
 };
 
-}  // namespace
-
-std::vector<float> tracedPatchIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity) {
+std::vector<float> tracedIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity) {
   lw_radiosity_info info;
   lw_radiosity_patches patches;
   lw_radiosity_texels texels;
@@ -97,11 +95,36 @@ std::vector<float> tracedPatchIrradiance(const RadiosityEvaluation& evaluation, 
   return irradiance_rgb;
 }
 
+struct DestroyInjector {
+  void operator()(lw_radiosity_injector* injector) const { lw_radiosity_injector_destroy(injector); }
+};
+
+std::vector<float> injectedIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity) {
+  const RuntimeContainer& container = evaluation.container;
+  lw_radiosity_info info;
+  container.check(lw_radiosity_get_info(radiosity, &info));
+  lw_radiosity_injector* made = nullptr;
+  container.check(lw_radiosity_injector_create(container.get(), radiosity, *evaluation.injection, &made));
+  const std::unique_ptr<lw_radiosity_injector, DestroyInjector> injector(made);
+  std::vector<lw_light> lights;
+  for (const scene::Light& light : evaluation.scene.scene.lights) lights.push_back(runtimeLight(evaluation.scene.scene, light));
+  std::vector<float> irradiance_rgb(size_t(info.patches) * 3);
+  container.check(lw_radiosity_inject(injector.get(), lights.data(), uint32_t(lights.size()), irradiance_rgb.data()));
+  return irradiance_rgb;
+}
+
+}  // namespace
+
+std::vector<float> patchIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity) {
+  return evaluation.injection ? injectedIrradiance(evaluation, radiosity) : tracedIrradiance(evaluation, radiosity);
+}
+
+
 std::vector<float> evaluateRadiosityOnCpu(const RadiosityEvaluation& evaluation) {
   const RuntimeContainer& container = evaluation.container;
   const auto radiosity = container.loadRadiosity();
   const auto state = container.createState(radiosity.get());
-  container.check(lw_radiosity_set_direct(state.get(), tracedPatchIrradiance(evaluation, radiosity.get()).data()));
+  container.check(lw_radiosity_set_direct(state.get(), patchIrradiance(evaluation, radiosity.get()).data()));
   container.check(lw_radiosity_solve(state.get(), kTolerance, kMostSweeps, nullptr));
   lw_radiosity_info info;
   container.check(lw_radiosity_get_info(radiosity.get(), &info));

@@ -16,14 +16,17 @@ struct RadiosityEvaluation {
   const trace::Tracer& tracer;         // of that scene
   uint32_t light = LW_RADIOSITY_INDIRECT;  // LW_RADIOSITY_… bits to add
   uint32_t samples = 64;               // points of each texel at which light of lamps is sampled
+  std::optional<uint32_t> injection;   // texels along a face of the lights' views; unset: rays
   int threads = 0;
   const CancelFlag* cancel = nullptr;
 };
 
 /// Irradiance, [height * width][4], all bounces: each texel's own mean, not what it shows in a game; A = 1 where there is a value.
 std::vector<float> evaluateRadiosityOnCpu(const RadiosityEvaluation& evaluation);
+/// The same on an OpenGL 3.3 context without a surface. Throws UsageError when this machine gives none.
+std::vector<float> evaluateRadiosityOnGl(const RadiosityEvaluation& evaluation);
 
-/// Direct irradiance of the scene's lights on the patches, [patches][3], from rays: the power that falls on a patch over its exposed area.
-std::vector<float> tracedPatchIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity);
+/// Direct irradiance of the scene's lights on the patches, [patches][3]: the power that falls on a patch over its exposed area. From rays, or rasterised.
+std::vector<float> patchIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity);
 
 }  // namespace lightwell::cli

@@ -1,0 +1,53 @@
+#include "cli/gl_handles.h"
+#include "cli/radiosity_evaluator.h"
+#include "precompute/core/error.h"
+#include "render/egl_context.h"
+#include "render/error.h"
+
+namespace lightwell::cli {
+namespace {
+
+constexpr double kTolerance = 1e-5;
+constexpr uint32_t kMostSweeps = 1000;
+
+std::unique_ptr<render::EglContext> openContext() {
+  try {
+    return std::make_unique<render::EglContext>();
+  } catch (const render::RenderError& error) {
+    throw UsageError(std::string("--evaluator gl: ") + error.what());
+  }
+}
+
+}  // namespace
+
+std::vector<float> evaluateRadiosityOnGl(const RadiosityEvaluation& evaluation) {
+  const RuntimeContainer& container = evaluation.container;
+  const auto radiosity = container.loadRadiosity();
+  const auto state = container.createState(radiosity.get());
+  lw_radiosity_info info;
+  container.check(lw_radiosity_get_info(radiosity.get(), &info));
+  container.check(lw_radiosity_set_direct(state.get(), patchIrradiance(evaluation, radiosity.get()).data()));
+
+  const auto context = openContext();
+  lw_gl_config config = LW_GL_CONFIG_INIT;
+  config.loader = render::EglContext::load;
+  lw_gl* gl_raw = nullptr;
+  container.check(lw_gl_create(&config, &gl_raw));
+  const GlHandle gl(gl_raw);
+  lw_gl_radiosity_options options = LW_GL_RADIOSITY_OPTIONS_INIT;
+  options.atlas_format = LW_GL_ATLAS_RGBA32F;  // an EXR holds 32-bit floats; a game is served by the half of it
+  lw_gl_radiosity* gl_radiosity_raw = nullptr;
+  container.check(lw_gl_radiosity_create(gl.get(), radiosity.get(), &options, &gl_radiosity_raw));
+  const GlRadiosityHandle gl_radiosity(gl_radiosity_raw);
+  container.check(lw_gl_radiosity_upload(gl_radiosity.get(), state.get(), LW_GL_RADIOSITY_DIRECT));
+  container.check(lw_gl_radiosity_solve(gl_radiosity.get(), kTolerance, kMostSweeps, nullptr));
+  lw_radiosity_shading shading = LW_RADIOSITY_SHADING_INIT;
+  shading.light = evaluation.light;
+  shading.fill = 0;
+  container.check(lw_gl_radiosity_shade(gl_radiosity.get(), &shading));
+  std::vector<float> atlas_rgba(size_t(info.width) * info.height * 4);
+  container.check(lw_gl_radiosity_read_atlas(gl_radiosity.get(), atlas_rgba.data()));
+  return atlas_rgba;
+}
+
+}  // namespace lightwell::cli
