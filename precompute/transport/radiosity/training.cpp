@@ -31,8 +31,14 @@ std::vector<float> patchIrradiance(const scene::Scene& scene, const atlas::Atlas
     const auto members = patches.sidesOf(patch);
     const Sampler sampler(seed, kTrainingStream + patch);
     const float share = 1.0f / (kPointsPerPatch * patches.exposed_share[patch]);
+    float area = 0;
+    for (const uint32_t side : members) area += atlas.slots[sides.slot[side]].area;
+    size_t member = 0;
+    float passed = atlas.slots[sides.slot[members[0]]].area;
     for (uint32_t i = 0; i < kPointsPerPatch; ++i) {
-      const uint32_t side = members[i * members.size() / kPointsPerPatch];
+      const float target = area * (float(i) + sampler.get1D(i, 2)) / kPointsPerPatch;
+      while (passed < target && member + 1 < members.size()) passed += atlas.slots[sides.slot[members[++member]]].area;
+      const uint32_t side = members[member];
       const auto point = sampleSide(scene.mesh, atlas, sides, side, sampler.get1D(i, 0), sampler.get2D(i, 1));
       Vec3 to_light;
       float distance;
