@@ -1,5 +1,6 @@
 // Whatever state the game has set, the library's work is right and the state is the same afterwards.
 #include "tests/runtime/gl_fixture.h"
+#include "tests/runtime/radiosity_fixture.h"
 
 namespace lightwell::test {
 namespace {
@@ -165,6 +166,38 @@ TEST_P(GlState, IsRestoredByEveryFunctionAndDoesNotDisturbTheWork) {
     gl_prm.reset();
     same("lw_gl_prm_destroy");
   }
+}
+
+TEST_P(GlState, IsRestoredByTheFunctionsOfRadiosity) {
+  RoomOptions options;
+  options.walls = boxWalls({0, 0, 0}, {1, 1, 1}, 4, 0.5, 1);
+  LoadedRoom room(options);
+  setOddState();
+  const std::string before = describeState(desktop());
+  const auto same = [&](const char* function) { ASSERT_EQ(describeState(desktop()), before) << function; };
+  lw_gl_radiosity* gpu = nullptr;
+  lw_gl_radiosity_options full = LW_GL_RADIOSITY_OPTIONS_INIT;
+  full.atlas_format = LW_GL_ATLAS_RGBA32F;
+  ASSERT_EQ(lw_gl_radiosity_create(gl, room.radiosity, &full, &gpu), LW_OK) << message;
+  same("lw_gl_radiosity_create");
+  ASSERT_EQ(lw_gl_radiosity_upload(gpu, room.state, LW_GL_RADIOSITY_MATERIALS | LW_GL_RADIOSITY_PORTALS | LW_GL_RADIOSITY_DIRECT), LW_OK);
+  same("lw_gl_radiosity_upload");
+  ASSERT_EQ(lw_gl_radiosity_step(gpu, 3), LW_OK);
+  same("lw_gl_radiosity_step");
+  ASSERT_EQ(lw_gl_radiosity_solve(gpu, 1e-4, 100, nullptr), LW_OK);
+  same("lw_gl_radiosity_solve");
+  lw_radiosity_shading shading = LW_RADIOSITY_SHADING_INIT;
+  shading.light = LW_RADIOSITY_INDIRECT;
+  ASSERT_EQ(lw_gl_radiosity_shade(gpu, &shading), LW_OK);
+  same("lw_gl_radiosity_shade");
+  std::vector<float> rgb(size_t(room.info.patches) * 3), atlas(size_t(room.info.width) * room.info.height * 4);
+  ASSERT_EQ(lw_gl_radiosity_read_irradiance(gpu, rgb.data()), LW_OK);
+  ASSERT_EQ(lw_gl_radiosity_read_atlas(gpu, atlas.data()), LW_OK);
+  same("lw_gl_radiosity_read_atlas");
+  for (const float e : rgb) EXPECT_NEAR(e, 2 * 3.14159265f, 1e-2f);
+  EXPECT_NEAR(atlas[room.room.content.texel[0] * 4], 3.14159265f, 1e-2f);
+  lw_gl_radiosity_destroy(gpu);
+  same("lw_gl_radiosity_destroy");
 }
 
 }  // namespace
