@@ -67,7 +67,7 @@ TEST_P(Sides, HandOutAllOfTheLight) {
     if (GetParam() > 1000 && outer > 0.5f) break;  // enough of the large pictures
     spot.inner_cone_angle_rad = inner, spot.outer_cone_angle_rad = outer;
     const double ci = std::cos(double(inner)), co = std::cos(double(outer));
-    EXPECT_NEAR(injector.power(spot) / (10 * 2 * kPi * ((1 - ci) + (ci - co) / 3)), 1, 1e-3) << inner << " " << outer;
+    EXPECT_NEAR(injector.power(spot) / (10 * 2 * kPi * ((1 - ci) + (ci - co) / 3)), 1, 1e-4) << inner << " " << outer;
   }
 }
 
