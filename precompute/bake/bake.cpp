@@ -2,7 +2,7 @@
 
 #include "format/encode/writer.h"
 #include "precompute/bake/environment_tasks.h"
-#include "precompute/bake/prm_error.h"
+#include "precompute/bake/measured_error.h"
 #include "precompute/bake/parameters.h"
 #include "precompute/bake/prm_tasks.h"
 #include "precompute/bake/radiosity_tasks.h"
@@ -50,10 +50,11 @@ struct InputRange {
 /// What the container is made of, beside the context.
 struct ContainerParts {
   PrmTasks prm;
-  InputRange blocks, emitter, references;  // empty without a PRM
+  InputRange blocks, emitter;                      // empty without a PRM
   InputRange sky;                                  // empty without a sky on its texels
   std::shared_ptr<const transport::RadiosityBaker> radiosity;
   InputRange radiosity_links;                      // empty without radiosity
+  InputRange references;                           // of indirect light, for whatever gives it
   InputRange environment, environment_errors;      // at most one each
 };
 
@@ -78,6 +79,13 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
     in.cancel.check();
     if (plan.prm_sky) sky = makeSkyPanes(context, settings, *prm, parts.sky.of(in), in.cancel);
   }
+  std::optional<transport::RadiosityResult> radiosity;
+  if (plan.radiosity) {
+    radiosity = parts.radiosity->assemble(viewsOf(parts.radiosity_links.of(in)));
+    if (const auto measured = measureRadiosity(context, *radiosity, parts.references.of(in)))
+      addError(meta, "radiosity", measured->relrmse, measured->texrel, measured->bias, measured->against);
+    in.cancel.check();
+  }
   for (const Blob& errors : parts.environment_errors.of(in))
     for (const EnvironmentError& e : readEnvironmentErrors(errors))
       addError(meta, "environment", e.relrmse, e.texrel, e.bias,
@@ -93,7 +101,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   in.cancel.check();
   if (prm) addPrmSection(writer, *prm, sky, context.scene().metres_per_unit);
   in.cancel.check();
-  if (plan.radiosity) addRadiositySection(writer, parts.radiosity->assemble(viewsOf(parts.radiosity_links.of(in))), context.scene());
+  if (radiosity) addRadiositySection(writer, *radiosity, context.scene());
   in.cancel.check();
   for (const Blob& environment : parts.environment.of(in)) addEnvironmentSection(writer, readEnvironment(environment), settings.environment);
   return writer.bytes();
@@ -135,8 +143,8 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     parts.blocks = take(parts.prm.blocks);
     parts.emitter = take(parts.prm.emitter);
     if (plan.prm_sky) parts.sky = take(addSkyTasks(result.graph, context, options.settings));
-    parts.references = take(addReferenceTasks(result.graph, context, options.test_lights));
   }
+  if (plan.prm || plan.radiosity) parts.references = take(addReferenceTasks(result.graph, context, options.test_lights));
   if (plan.radiosity) parts.radiosity_links = take(addRadiosityTasks(result.graph, context, radiosity_settings, parts.radiosity));
   if (plan.environment) {
     const bool measure = options.settings.quality != plan::Quality::draft;

@@ -48,8 +48,10 @@ class Attempts {
   /// The measured error of the last attempt; none when nothing could be measured.
   std::optional<double> error() const {
     const auto meta = format::Reader(*outcome.container).meta();
+    std::optional<double> largest;  // of what gives indirect light
     for (const auto& error : meta.errors())
-      if (error.section() == "prm") return error.relrmse();
+      if (error.section() == "prm" || error.section() == "radiosity") largest = std::max(largest.value_or(0.0), error.relrmse());
+    if (largest) return largest;
     return std::nullopt;
   }
   Outcome outcome;

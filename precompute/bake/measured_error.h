@@ -1,9 +1,10 @@
-// The error that a container carries about its own PRM: measured with path tracing, for lights that the bake has not seen.
+// The errors that a container carries about its own indirect light: measured with path tracing, for lights that the bake has not seen.
 #pragma once
 #include <optional>
 
 #include "precompute/bake/context.h"
 #include "precompute/transport/prm/prm.h"
+#include "precompute/transport/radiosity/bake_radiosity.h"
 
 namespace lightwell::bake {
 
@@ -17,7 +18,8 @@ struct MeasuredError {
 /// `context` must have a tracer and outlive the graph.
 std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& context, uint32_t lights);
 
-/// Compares `prm`, as baked, with the results of these tasks. Nothing when there are none, or no light reaches the sampled texels.
+/// Compares what was baked with the results of these tasks. Nothing when there are none, or no light reaches the sampled texels.
 std::optional<MeasuredError> measurePrm(const BakeContext& context, const transport::PrmResult& prm, std::span<const Blob> references);
+std::optional<MeasuredError> measureRadiosity(const BakeContext& context, const transport::RadiosityResult& radiosity, std::span<const Blob> references);
 
 }  // namespace lightwell::bake
