@@ -124,13 +124,14 @@ struct Client::Connection {
         const CallWatchdog watchdog(context, cancel);
         status = call(context, last_contact);
       }
-      // A server that ends cuts calls off with one or the other.
+      // A server that ends cuts calls off with one or the other,
       const bool cut_off = status.error_code() == grpc::StatusCode::UNAVAILABLE || status.error_code() == grpc::StatusCode::CANCELLED;
       if (!cut_off) {
         reached = true;
         if (status.ok()) return;
         fail(status);
       }
+      cancel.check();  // or this side did
       if (!waiting && options.waiting) options.waiting("waiting for a server at " + options.server + " (" + status.error_message() + ")");
       waiting = true;
       const double silent_s = std::chrono::duration<double>(Clock::now() - last_contact).count();

@@ -161,6 +161,7 @@ TEST_F(Service, CtrlCDetachesAndSaysHowToComeBack) {
   const Finished finished = command.wait();
   EXPECT_EQ(finished.exit_code, 130);
   EXPECT_NE(finished.err.find("lightwell watch --server " + daemon_->address()), std::string::npos) << finished.err;
+  EXPECT_EQ(finished.err.find("waiting for a server"), std::string::npos) << "it answers:\n" << finished.err;
   EXPECT_EQ(daemon_->workers().size(), 1u) << "the job goes on";
 }
 
