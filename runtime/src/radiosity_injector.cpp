@@ -5,160 +5,46 @@
 #include <cstring>
 
 #include "runtime/src/container.h"
-#include "runtime/src/light.h"
-#include "runtime/src/radiosity.h"
-#include "runtime/src/radiosity_view.h"
-
-struct lw_radiosity_injector {
-  template <class T>
-  using Array = lightwell::runtime::Array<T>;
-
-  lightwell::runtime::Host host;
-  const lw_radiosity* radiosity = nullptr;
-  lightwell::runtime::Surfaces surfaces;
-  Array<float> lightmap_uv;            // [vertices][2]
-  Array<uint8_t> flags;                // [triangles]
-  Array<uint32_t> value_of_texel;      // [height * width]: index into the radiosity's texels, or kNone
-  Array<uint32_t> nearest_patch;       // [triangles][2]: for light that falls on no texel's patch, front and back; kUnknown until it is needed
-  Array<double> power_rgb;             // [patches][3]
-  Array<double> corner;                // [2][side + 1]: solid angles to the corners of a row of pixels
-  float bounds_min_m[3], bounds_max_m[3];
-  lightwell::runtime::ViewRaster raster;
-};
+#include "runtime/src/radiosity_injector.h"
 
 namespace lightwell::runtime {
 namespace {
 
-constexpr uint32_t kUnknown = 0xfffffffeu;
-constexpr uint32_t kNeighbourhood = 2;    // texels around one without a patch in which another is looked for
-constexpr float kWidestSpot_rad = 1.0f;   // half angle beyond which six faces show more than one
-constexpr double kPi = 3.14159265358979323846;
-
 double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/// Solid angle between the axis and the point (x, y) of the plane at 1: the corner term of a rectangle's.
-double cornerAngle(double x, double y) { return std::atan2(x * y, std::sqrt(1 + x * x + y * y)); }
-
-/// The integral of a spot's edge over its cone.
-double spotAngle(const PackedLight& light) {
-  const double scale = double(light.spot_scale), outer = -double(light.spot_offset) / scale, edge = 1 / scale;
-  if (outer + edge <= 1) return 2 * kPi * ((1 - outer - edge) + edge / 3);
-  return 2 * kPi * std::pow(1 - outer, 3) * scale * scale / 3;
-}
-
-void orthonormal(const float* direction, View& view) {
-  double norm = 0;
-  for (int k = 0; k < 3; ++k) norm += double(direction[k]) * double(direction[k]);
-  for (int k = 0; k < 3; ++k) view.forward[k] = double(direction[k]) / std::sqrt(norm);
-  const int least = std::fabs(direction[0]) < std::fabs(direction[1]) ? (std::fabs(direction[0]) < std::fabs(direction[2]) ? 0 : 2)
-                                                                      : (std::fabs(direction[1]) < std::fabs(direction[2]) ? 1 : 2);
-  double axis[3] = {};
-  axis[least] = 1;
-  const double along = dot(axis, view.forward);
-  for (int k = 0; k < 3; ++k) view.right[k] = axis[k] - along * view.forward[k];
-  const double length = std::sqrt(dot(view.right, view.right));
-  for (double& v : view.right) v /= length;
-  for (int k = 0; k < 3; ++k)
-    view.up[k] = view.forward[(k + 1) % 3] * view.right[(k + 2) % 3] - view.forward[(k + 2) % 3] * view.right[(k + 1) % 3];
-}
 
 /// Where the light of a view's pixels goes.
 class Injection {
  public:
-  Injection(lw_radiosity_injector& injector, const PackedLight& light) : i_(injector), r_(*injector.radiosity), light_(light) {}
+  Injection(lw_radiosity_injector& injector, const PackedLight& light) : i_(injector), finder_(injector), light_(light) {}
 
   void run() {
-    View view;
-    for (int k = 0; k < 3; ++k) view.eye_m[k] = double(light_.position_m[k]);
-    if (isType(light_, LW_LIGHT_DIRECTIONAL)) {
-      fitToBounds(view);
+    const LampViews views = lampViews(light_, i_.bounds_min_m, i_.bounds_max_m);
+    const uint32_t side = i_.raster.side();
+    if (!views.view[0].perspective) {
+      const View& view = views.view[0];
       i_.raster.draw(i_.surfaces, view);
-      const double side = 2.0 / i_.raster.side();
-      const double area_m2 = std::sqrt(dot(view.right, view.right) * dot(view.up, view.up)) * side * side;
+      const double area_m2 = std::sqrt(dot(view.right, view.right) * dot(view.up, view.up)) * 4 / (double(side) * side);
       forPixels(view, [&](uint32_t, uint32_t) { return area_m2; });
       return;
     }
-    const bool spot = isType(light_, LW_LIGHT_SPOT);
-    const double outer = spot ? std::acos(std::clamp(-double(light_.spot_offset) / double(light_.spot_scale), 0.0, 1.0)) : kPi;
-    if (spot && outer <= double(kWidestSpot_rad)) {
-      orthonormal(light_.direction, view);
-      const double tangent = std::tan(outer);
-      for (int k = 0; k < 3; ++k) view.right[k] *= tangent, view.up[k] *= tangent;
-      cones(&view, 1, tangent);
-    } else {
-      // A cube that is aligned with nothing: along the edges of patches, pixels then change sides one after the other when the lamp moves, not whole rows at once.
-      constexpr float kAskew[3] = {0.51f, 0.62f, 0.5963f};
-      orthonormal(kAskew, view);
-      const double* axis[3] = {view.forward, view.right, view.up};
-      View faces[6];
-      for (int f = 0; f < 6; ++f) {
-        faces[f] = view;
-        for (int k = 0; k < 3; ++k) {
-          faces[f].forward[k] = axis[f / 2][k] * (f % 2 ? -1 : 1);
-          faces[f].right[k] = axis[(f / 2 + 1) % 3][k];
-          faces[f].up[k] = axis[(f / 2 + 2) % 3][k];
-        }
-      }
-      cones(faces, 6, 1);
-    }
-  }
-
- private:
-  /// The share of a spot's light that goes a pixel's way; 1 for a point light.
-  double edgeAt(const View& view, double x, double y) const {
-    if (!isType(light_, LW_LIGHT_SPOT)) return 1;
-    double way[3], along = 0;
-    for (int k = 0; k < 3; ++k) way[k] = view.forward[k] + x * view.right[k] + y * view.up[k];
-    for (int k = 0; k < 3; ++k) along += way[k] * double(light_.direction[k]);
-    const double edge = std::clamp(along / std::sqrt(dot(way, way)) * double(light_.spot_scale) + double(light_.spot_offset), 0.0, 1.0);
-    return edge * edge;
-  }
-  double center(uint32_t i) const { return (2.0 * i + 1) / i_.raster.side() - 1; }
-  double border(uint32_t i) const { return 2.0 * i / i_.raster.side() - 1; }
-  /// The solid angle of a pixel. Pixels are asked for row by row: the corners of one are kept.
-  double angleOf(double tangent, uint32_t i, uint32_t j) {
-    const uint32_t corners = i_.raster.side() + 1;
-    if (row_ != j) {
-      for (uint32_t k = 0; k < corners * 2; ++k) i_.corner[k] = cornerAngle(tangent * border(k % corners), tangent * border(j + k / corners));
-      row_ = j;
-    }
-    return (i_.corner[corners + i + 1] - i_.corner[corners + i]) - (i_.corner[i + 1] - i_.corner[i]);
-  }
-
-  /// Perspective views from the light, whose edges lie at `tangent`.
-  void cones(const View* views, int count, double tangent) {
     // A spot's edge is sampled at the centres of pixels: what that makes too much or too little of the whole is taken back.
-    double scale = 1;
-    if (isType(light_, LW_LIGHT_SPOT)) {
-      double found = 0;
-      for (int v = 0; v < count; ++v)
-        for (uint32_t j = 0; j < i_.raster.side(); ++j)
-          for (uint32_t i = 0; i < i_.raster.side(); ++i)
-            if (const double edge = edgeAt(views[v], center(i), center(j)); edge > 0) found += edge * angleOf(tangent, i, j);
-      if (!(found > 0)) return;
-      scale = spotAngle(light_) / found;
-    }
-    for (int v = 0; v < count; ++v) {
-      i_.raster.draw(i_.surfaces, views[v]);
-      forPixels(views[v], [&](uint32_t i, uint32_t j) {
-        const double edge = edgeAt(views[v], center(i), center(j));
-        return edge > 0 ? scale * edge * angleOf(tangent, i, j) : 0.0;
+    const double scale = spotScale(light_, views, side, i_.corner.data());
+    if (!(scale > 0)) return;
+    for (int v = 0; v < views.count; ++v) {
+      const View& view = views.view[v];
+      i_.raster.draw(i_.surfaces, view);
+      uint32_t row = kNone;  // whose corners are known
+      forPixels(view, [&](uint32_t i, uint32_t j) {
+        const double edge = lampEdge(light_, view, center(i), center(j));
+        if (!(edge > 0)) return 0.0;
+        if (row != j) cornerAngles(views.tangent, side, row = j, i_.corner.data());
+        return scale * edge * pixelAngle(i_.corner.data(), side, i);
       });
     }
   }
 
-  void fitToBounds(View& view) {
-    view.perspective = false;
-    orthonormal(light_.direction, view);
-    double center_m[3], half[2] = {};
-    for (int k = 0; k < 3; ++k) center_m[k] = view.eye_m[k] = 0.5 * (double(i_.bounds_min_m[k]) + double(i_.bounds_max_m[k]));
-    for (int k = 0; k < 3; ++k) {
-      const double extent = double(i_.bounds_max_m[k]) - center_m[k];
-      half[0] += extent * std::fabs(view.right[k]);
-      half[1] += extent * std::fabs(view.up[k]);
-    }
-    for (int k = 0; k < 3; ++k) view.right[k] *= std::max(half[0], 1e-12), view.up[k] *= std::max(half[1], 1e-12);
-  }
+ private:
+  double center(uint32_t i) const { return (2.0 * i + 1) / i_.raster.side() - 1; }
 
   /// `amount` of a pixel: what its light is multiplied with, steradians or square metres.
   template <class Amount>
@@ -183,76 +69,22 @@ class Injection {
       }
   }
 
-  /// The normal of the triangle on the side that the view sees, of any length; and whether that is the front.
-  bool facing(const View& view, uint32_t triangle, double* normal) const {
-    const uint32_t* index = &i_.surfaces.index[size_t(triangle) * 3];
-    const float* p[3];
-    for (int c = 0; c < 3; ++c) p[c] = &i_.surfaces.position_m[size_t(index[c]) * 3];
-    double a[3], b[3], to_eye[3];
-    for (int k = 0; k < 3; ++k) {
-      a[k] = double(p[1][k]) - double(p[0][k]);
-      b[k] = double(p[2][k]) - double(p[0][k]);
-      to_eye[k] = view.perspective ? view.eye_m[k] - double(p[0][k]) : -view.forward[k];
-    }
-    for (int k = 0; k < 3; ++k) normal[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-    if (dot(normal, to_eye) >= 0) return true;
-    for (int k = 0; k < 3; ++k) normal[k] = -normal[k];
-    return false;
-  }
-
-  uint32_t patchOf(uint32_t texel, bool front) const {
-    const uint32_t value = i_.value_of_texel[texel];
-    if (value == kNone) return kNone;
-    if (front) return r_.texel_patch[size_t(value) * 4];
-    return r_.texel_back_patch.empty() ? kNone : r_.texel_back_patch[value];
-  }
-  bool faces(uint32_t patch, const double* normal) const {
-    double cosine = 0;
-    for (int k = 0; k < 3; ++k) cosine += normal[k] * double(r_.patch_normal[size_t(patch) * 3 + size_t(k)]);
-    return cosine > 0;
-  }
-
   uint32_t patchAt(const View& view, uint32_t triangle, const double* barycentrics) {
-    double normal[3], uv[2] = {};
-    const bool front = facing(view, triangle, normal);
-    if (!front && !(i_.flags[triangle] & LW_TRIANGLE_DOUBLE_SIDED)) return kNone;  // absorbed
     const uint32_t* index = &i_.surfaces.index[size_t(triangle) * 3];
+    double normal[3], to_eye[3], uv[2] = {};
+    finder_.normalOf(triangle, true, normal);
+    for (int k = 0; k < 3; ++k) to_eye[k] = view.perspective ? view.eye_m[k] - double(i_.surfaces.position_m[size_t(index[0]) * 3 + size_t(k)]) : -view.forward[k];
+    const bool front = dot(normal, to_eye) >= 0;
+    if (!front)
+      for (double& n : normal) n = -n;
     for (int c = 0; c < 3; ++c)
       for (int k = 0; k < 2; ++k) uv[k] += barycentrics[c] * double(i_.lightmap_uv[size_t(index[c]) * 2 + size_t(k)]);
-    const auto x = uint32_t(std::clamp(uv[0] * r_.width, 0.0, double(r_.width - 1))), y = uint32_t(std::clamp(uv[1] * r_.height, 0.0, double(r_.height - 1)));
-    const uint32_t own = patchOf(y * r_.width + x, front);
-    if (own != kNone) return own;
-    // A sliver's texel, or one that is mostly behind something: what little is seen of it belongs to its neighbour.
-    uint32_t best = kNone, best_distance = 2 * kNeighbourhood * kNeighbourhood + 1;
-    for (uint32_t v = y - std::min(y, kNeighbourhood); v <= std::min(y + kNeighbourhood, r_.height - 1); ++v)
-      for (uint32_t u = x - std::min(x, kNeighbourhood); u <= std::min(x + kNeighbourhood, r_.width - 1); ++u) {
-        const uint32_t distance = (u > x ? u - x : x - u) * (u > x ? u - x : x - u) + (v > y ? v - y : y - v) * (v > y ? v - y : y - v);
-        const uint32_t patch = distance < best_distance ? patchOf(v * r_.width + u, front) : kNone;
-        if (patch != kNone && faces(patch, normal)) best = patch, best_distance = distance;
-      }
-    return best != kNone ? best : nearestTo(triangle, front, normal);
-  }
-
-  /// The patch nearest to the triangle's centre that faces the same way.
-  uint32_t nearestTo(uint32_t triangle, bool front, const double* normal) {
-    uint32_t& known = i_.nearest_patch[size_t(triangle) * 2 + !front];
-    if (known != kUnknown) return known;
-    double center_m[3] = {}, least = HUGE_VAL;
-    for (int c = 0; c < 3; ++c)
-      for (int k = 0; k < 3; ++k) center_m[k] += double(i_.surfaces.position_m[size_t(i_.surfaces.index[size_t(triangle) * 3 + size_t(c)]) * 3 + size_t(k)]) / 3;
-    known = kNone;
-    for (uint32_t p = 0; p < r_.patches(); ++p) {
-      double square = 0;
-      for (int k = 0; k < 3; ++k) square += std::pow(double(r_.patch_position_m[size_t(p) * 3 + size_t(k)]) - center_m[k], 2);
-      if (square < least && faces(p, normal)) least = square, known = p;
-    }
-    return known;
+    return finder_.patchAt(triangle, front, normal, uv);
   }
 
   lw_radiosity_injector& i_;
-  const lw_radiosity& r_;
+  PatchFinder finder_;
   const PackedLight& light_;
-  uint32_t row_ = kNone;  // of pixels, whose corners are in i_.corner
 };
 
 /// Decodes an array whose element has `components` numbers.
@@ -310,7 +142,7 @@ lw_result load(const lw_container* container, uint32_t side, lw_radiosity_inject
       !i.power_rgb.allocate(i.host, size_t(r.patches()) * 3) || !i.corner.allocate(i.host, (size_t(side) + 1) * 2) || !i.raster.allocate(i.host, side))
     return container->host.fail(LW_OUT_OF_MEMORY, "no memory for injecting light");
   std::fill(i.value_of_texel.begin(), i.value_of_texel.end(), kNone);
-  std::fill(i.nearest_patch.begin(), i.nearest_patch.end(), kUnknown);
+  std::fill(i.nearest_patch.begin(), i.nearest_patch.end(), kUnknownPatch);
   for (uint32_t t = 0; t < r.header.texels; ++t) i.value_of_texel[r.texel[t]] = t;
   for (int k = 0; k < 3; ++k) i.bounds_min_m[k] = vertices ? HUGE_VALF : 0, i.bounds_max_m[k] = vertices ? -HUGE_VALF : 0;
   for (size_t v = 0; v < vertices * 3; ++v) {
