@@ -92,6 +92,7 @@ json contentJson(const format::Reader& reader) {
     content["radiosity"] = {{"patches", radiosity.patches()},
                             {"texels", radiosity.texels()},
                             {"links", reader.has("radiosity", "link_node") ? reader.chunk("radiosity", "link_node").elements : 0},
+                            {"raw_transfers", radiosity.raw_transfers()},
                             {"has_emission", radiosity.has_emission()},
                             {"has_backs", radiosity.has_backs()},
                             {"materials", names(radiosity.materials())},

@@ -155,13 +155,12 @@ Bytes RadiosityBaker::links(uint32_t first, uint32_t end, ByteView trained) cons
   training.irradiance = readMatrix(reader, patchCount());
   LinkOptions options = impl_->settings.links;
   options.rays = impl_->settings.rays;
-  const RadiosityLinks links = makeLinks(factors, impl_->tree, training, options, first, end);
+  const LinkValues links = makeLinks(factors, impl_->tree, training, options, first, end);
   const std::vector<uint64_t> transfers{factors.first[end] - factors.first[first]};
   ByteWriter writer;
   writer.array(links.first);
   writer.array(links.node);
-  writer.array(links.code);
-  writer.array(links.row_scale);
+  writer.array(links.value);
   writer.array(transfers);
   return writer.take();
 }
@@ -170,20 +169,23 @@ RadiosityResult RadiosityBaker::assemble(std::span<const ByteView> links) const 
   RadiosityResult result;
   result.patches = impl_->patches;
   result.tree = impl_->tree;
+  LinkValues values;
   for (const ByteView bytes : links) {
     ByteReader reader(bytes);
-    RadiosityLinks part;
+    LinkValues part;
     part.first = reader.array<uint32_t>();
     part.node = reader.array<uint32_t>();
-    part.code = reader.array<uint8_t>();
-    part.row_scale = reader.array<float>();
+    part.value = reader.array<float>();
     const auto transfers = reader.array<uint64_t>();
     requireRows(part.first, part.node.size());
-    require(part.code.size() == part.node.size() && part.row_scale.size() == part.rows() && transfers.size() == 1);
-    result.links.append(part);
+    require(part.value.size() == part.node.size() && transfers.size() == 1);
+    for (const uint32_t node : part.node) require(node < impl_->tree.nodeCount());
+    values.append(part);
     result.raw_transfers += transfers[0];
   }
-  require(result.links.rows() == patchCount());
+  require(values.rows() == patchCount());
+  balanceLinks(impl_->tree, values);
+  result.links = quantiseLinks(values);
   const TexelWeights weights = makeTexelWeights(impl_->atlas, impl_->sides, impl_->patches);
   bool has_backs = false;
   for (const uint32_t slot : weights.slot) {

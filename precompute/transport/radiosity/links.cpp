@@ -32,6 +32,9 @@ RadiosityTraining::Matrix nodeRadiosity(const PatchTree& tree, const RadiosityTr
 // What the patches of a node have to see in common, as a share: across a wall nothing, through a door a few hundredths, within a room about all.
 constexpr float kSameSurroundings = 0.3f;
 
+constexpr int kBalanceSweeps = 16;
+constexpr double kMostGain = 2;  // of a sweep
+
 /// Per node whether its patches see the same surroundings. Nodes that do not, because they lie on both sides of a wall, merge for nobody: light that no training
 /// light showed could leak through them.
 std::vector<char> seeTheSame(const FormFactors& factors, const PatchTree& tree) {
@@ -208,12 +211,11 @@ class RowMerger {
 
 }  // namespace
 
-void RadiosityLinks::append(const RadiosityLinks& other) {
+void LinkValues::append(const LinkValues& other) {
   const uint32_t base = uint32_t(node.size());
   for (size_t row = 1; row < other.first.size(); ++row) first.push_back(base + other.first[row]);
   node.insert(node.end(), other.node.begin(), other.node.end());
-  code.insert(code.end(), other.code.begin(), other.code.end());
-  row_scale.insert(row_scale.end(), other.row_scale.begin(), other.row_scale.end());
+  value.insert(value.end(), other.value.begin(), other.value.end());
 }
 
 uint8_t linkCode(float weight) {
@@ -224,25 +226,63 @@ uint8_t linkCode(float weight) {
   return exponent > 15 ? 255 : uint8_t(exponent << 4 | mantissa);
 }
 
-RadiosityLinks makeLinks(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options, uint32_t begin,
-                         uint32_t end) {
-  RadiosityLinks result;
+LinkValues makeLinks(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options, uint32_t begin,
+                     uint32_t end) {
+  LinkValues result;
   RowMerger merger(factors, tree, training, options);
   for (uint32_t row = begin; row < end; ++row) {
     std::vector<Link> links = merger.links(row);
     std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.node < b.node; });
-    double sum = 0, largest = 0;
-    for (const Link& link : links) {
-      sum += link.value;
-      largest = std::max(largest, double(link.value));
-    }
-    uint64_t codes = 0;
     for (const Link& link : links) {
       result.node.push_back(link.node);
-      result.code.push_back(linkCode(float(link.value / largest * linkWeight(255))));
-      codes += linkWeight(result.code.back());
+      result.value.push_back(link.value);
     }
     result.first.push_back(uint32_t(result.node.size()));
+  }
+  return result;
+}
+
+void balanceLinks(const PatchTree& tree, LinkValues& links) {
+  const uint32_t patches = links.rows(), nodes = tree.nodeCount();
+  std::vector<double> row_sum(patches, 0.0);
+  for (uint32_t row = 0; row < patches; ++row)
+    for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) row_sum[row] += links.value[l];
+  for (int sweep = 0; sweep < kBalanceSweeps; ++sweep) {
+    // What all patches together receive per area of each node's surface, at the node and from the nodes above it.
+    std::vector<double> density(nodes, 0.0), gain(nodes, 0.0);
+    for (uint32_t row = 0; row < patches; ++row)
+      for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) density[links.node[l]] += double(tree.area[row]) * links.value[l] / tree.area[links.node[l]];
+    for (uint32_t node = nodes; node-- > patches;)
+      for (uint32_t child = tree.first_child[node - patches]; child < tree.first_child[node - patches + 1]; ++child) density[child] += density[node];
+    for (uint32_t patch = 0; patch < patches; ++patch)
+      gain[patch] = density[patch] > 0 ? std::clamp(row_sum[patch] / density[patch], 1 / kMostGain, kMostGain) : 1.0;
+    for (uint32_t node = patches; node < nodes; ++node) {
+      for (uint32_t child = tree.first_child[node - patches]; child < tree.first_child[node - patches + 1]; ++child) gain[node] += gain[child] * tree.area[child];
+      gain[node] /= tree.area[node];
+    }
+    for (uint32_t row = 0; row < patches; ++row) {
+      double sum = 0;
+      for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) sum += links.value[l] * gain[links.node[l]];
+      for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) links.value[l] = float(links.value[l] * gain[links.node[l]] * (row_sum[row] / sum));
+    }
+  }
+}
+
+RadiosityLinks quantiseLinks(const LinkValues& links) {
+  RadiosityLinks result;
+  result.first = links.first;
+  result.node = links.node;
+  for (uint32_t row = 0; row < links.rows(); ++row) {
+    double sum = 0, largest = 0;
+    for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) {
+      sum += links.value[l];
+      largest = std::max(largest, double(links.value[l]));
+    }
+    uint64_t codes = 0;
+    for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) {
+      result.code.push_back(linkCode(float(links.value[l] / largest * linkWeight(255))));
+      codes += linkWeight(result.code.back());
+    }
     result.row_scale.push_back(codes ? float(sum / double(codes)) : 0.0f);
   }
   return result;

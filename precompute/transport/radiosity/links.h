@@ -15,8 +15,16 @@ struct RadiosityLinks {
   std::vector<uint8_t> code;
   std::vector<float> row_scale;       // 0 for empty rows
   uint32_t rows() const { return uint32_t(first.size()) - 1; }
+};
+
+/// The same before it is rounded: irradiance(i) = Σ_l value[l] · radiosity(node[l]).
+struct LinkValues {
+  std::vector<uint32_t> first = {0};
+  std::vector<uint32_t> node;  // ascending within a row
+  std::vector<float> value;    // > 0
+  uint32_t rows() const { return uint32_t(first.size()) - 1; }
   /// Appends another's rows.
-  void append(const RadiosityLinks& other);
+  void append(const LinkValues& other);
 };
 
 /// A small float: four bits of exponent, four of mantissa. 16 to 31 << 15.
@@ -35,8 +43,15 @@ struct LinkOptions {
   uint32_t rays = 1024;  // that were traced from each patch
 };
 
-/// Compresses the rows [begin, end). Without training lights nothing is merged.
-RadiosityLinks makeLinks(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options, uint32_t begin,
+/// Compresses the rows [begin, end). There must be training lights.
+LinkValues makeLinks(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options, uint32_t begin,
                          uint32_t end);
+
+/// Merged links spread what comes from a node evenly over it, so that some patches seem to send more than they have and others less. Scales links until all
+/// patches together receive from each what it sends (to whom it sends is symmetric: Σ_i A_i F_ij = A_j Σ_i F_ji), while rows keep their sums.
+void balanceLinks(const PatchTree& tree, LinkValues& links);
+
+/// Rounds to eight bits a weight; rows keep their sums.
+RadiosityLinks quantiseLinks(const LinkValues& links);
 
 }  // namespace lightwell::transport
