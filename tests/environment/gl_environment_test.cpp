@@ -204,6 +204,19 @@ TEST_P(GlEnvironment, UnoccludedLightIsTheCpus) {
               }), 0.01) << roughness;
 }
 
+/// Irradiance has an edge where a lamp crosses the horizon: a floor with lamps all around at its own height.
+TEST_P(GlEnvironment, LampsAtTheHorizonLightAFloor) {
+  load(bakeOf([](const Vec3& d) { return std::abs(d.y) < 0.2f ? Rgb(5, 5, 5) : Rgb(0.05f, 0.05f, 0.05f); }, 32));
+  upload();
+  const std::vector<Vec3> up{{0, 1, 0}, Vec3(0.02f, 1, 0.01f).normalized()};
+  const std::vector<float> pixels = run(program("lwEnvironmentIrradiance(a.xyz)"), up, up, 1);
+  for (size_t i = 0; i < up.size(); ++i) {
+    Rgb expected;
+    ASSERT_EQ(lw_environment_irradiance(environment.get(), &up[i].x, nullptr, &expected.x), LW_OK);
+    EXPECT_NEAR(rgbAt(pixels, i).x / expected.x, 1, 0.002) << i;
+  }
+}
+
 /// Cells of every size, one at a time: no cancellation in the shader's floats.
 TEST_P(GlEnvironment, CellsOfAnySizeAreTheCpus) {
   Environment one;
