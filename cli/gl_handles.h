@@ -15,6 +15,10 @@ struct DestroyGlPrm {
 struct DestroyGlRadiosity {
   void operator()(lw_gl_radiosity* gl_radiosity) const { lw_gl_radiosity_destroy(gl_radiosity); }
 };
+struct DestroyGlRadiosityInjector {
+  void operator()(lw_gl_radiosity_injector* injector) const { lw_gl_radiosity_injector_destroy(injector); }
+};
+using GlRadiosityInjectorHandle = std::unique_ptr<lw_gl_radiosity_injector, DestroyGlRadiosityInjector>;
 using GlRadiosityHandle = std::unique_ptr<lw_gl_radiosity, DestroyGlRadiosity>;
 using GlHandle = std::unique_ptr<lw_gl, DestroyGl>;
 using GlPrmHandle = std::unique_ptr<lw_gl_prm, DestroyGlPrm>;

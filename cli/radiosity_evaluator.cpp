@@ -53,6 +53,8 @@ class LampLight {
   std::vector<float> visibility_;
 };
 
+}  // namespace
+
 std::vector<float> tracedIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity) {
   lw_radiosity_info info;
   lw_radiosity_patches patches;
@@ -95,6 +97,14 @@ std::vector<float> tracedIrradiance(const RadiosityEvaluation& evaluation, const
   return irradiance_rgb;
 }
 
+std::vector<lw_light> lampsOf(const RadiosityEvaluation& evaluation) {
+  std::vector<lw_light> lights;
+  for (const scene::Light& light : evaluation.scene.scene.lights) lights.push_back(runtimeLight(evaluation.scene.scene, light));
+  return lights;
+}
+
+namespace {
+
 struct DestroyInjector {
   void operator()(lw_radiosity_injector* injector) const { lw_radiosity_injector_destroy(injector); }
 };
@@ -106,8 +116,7 @@ std::vector<float> injectedIrradiance(const RadiosityEvaluation& evaluation, con
   lw_radiosity_injector* made = nullptr;
   container.check(lw_radiosity_injector_create(container.get(), radiosity, *evaluation.injection, &made));
   const std::unique_ptr<lw_radiosity_injector, DestroyInjector> injector(made);
-  std::vector<lw_light> lights;
-  for (const scene::Light& light : evaluation.scene.scene.lights) lights.push_back(runtimeLight(evaluation.scene.scene, light));
+  const std::vector<lw_light> lights = lampsOf(evaluation);
   std::vector<float> irradiance_rgb(size_t(info.patches) * 3);
   container.check(lw_radiosity_inject(injector.get(), lights.data(), uint32_t(lights.size()), irradiance_rgb.data()));
   return irradiance_rgb;
@@ -115,16 +124,11 @@ std::vector<float> injectedIrradiance(const RadiosityEvaluation& evaluation, con
 
 }  // namespace
 
-std::vector<float> patchIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity) {
-  return evaluation.injection ? injectedIrradiance(evaluation, radiosity) : tracedIrradiance(evaluation, radiosity);
-}
-
-
 std::vector<float> evaluateRadiosityOnCpu(const RadiosityEvaluation& evaluation) {
   const RuntimeContainer& container = evaluation.container;
   const auto radiosity = container.loadRadiosity();
   const auto state = container.createState(radiosity.get());
-  container.check(lw_radiosity_set_direct(state.get(), patchIrradiance(evaluation, radiosity.get()).data()));
+  container.check(lw_radiosity_set_direct(state.get(), (evaluation.injection ? injectedIrradiance : tracedIrradiance)(evaluation, radiosity.get()).data()));
   container.check(lw_radiosity_solve(state.get(), kTolerance, kMostSweeps, nullptr));
   lw_radiosity_info info;
   container.check(lw_radiosity_get_info(radiosity.get(), &info));

@@ -26,7 +26,8 @@ std::vector<float> evaluateRadiosityOnCpu(const RadiosityEvaluation& evaluation)
 /// The same on an OpenGL 3.3 context without a surface. Throws UsageError when this machine gives none.
 std::vector<float> evaluateRadiosityOnGl(const RadiosityEvaluation& evaluation);
 
-/// Direct irradiance of the scene's lights on the patches, [patches][3]: the power that falls on a patch over its exposed area. From rays, or rasterised.
-std::vector<float> patchIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity);
+/// Direct irradiance of the scene's lights on the patches, [patches][3], from rays: the power that falls on a patch over its exposed area.
+std::vector<float> tracedIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity);
+std::vector<lw_light> lampsOf(const RadiosityEvaluation& evaluation);
 
 }  // namespace lightwell::cli

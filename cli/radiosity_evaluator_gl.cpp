@@ -26,7 +26,6 @@ std::vector<float> evaluateRadiosityOnGl(const RadiosityEvaluation& evaluation) 
   const auto state = container.createState(radiosity.get());
   lw_radiosity_info info;
   container.check(lw_radiosity_get_info(radiosity.get(), &info));
-  container.check(lw_radiosity_set_direct(state.get(), patchIrradiance(evaluation, radiosity.get()).data()));
 
   const auto context = openContext();
   lw_gl_config config = LW_GL_CONFIG_INIT;
@@ -39,7 +38,16 @@ std::vector<float> evaluateRadiosityOnGl(const RadiosityEvaluation& evaluation) 
   lw_gl_radiosity* gl_radiosity_raw = nullptr;
   container.check(lw_gl_radiosity_create(gl.get(), radiosity.get(), &options, &gl_radiosity_raw));
   const GlRadiosityHandle gl_radiosity(gl_radiosity_raw);
-  container.check(lw_gl_radiosity_upload(gl_radiosity.get(), state.get(), LW_GL_RADIOSITY_DIRECT));
+  if (evaluation.injection) {
+    lw_gl_radiosity_injector* injector_raw = nullptr;
+    container.check(lw_gl_radiosity_injector_create(gl_radiosity.get(), container.get(), radiosity.get(), *evaluation.injection, &injector_raw));
+    const GlRadiosityInjectorHandle injector(injector_raw);
+    const std::vector<lw_light> lights = lampsOf(evaluation);
+    container.check(lw_gl_radiosity_inject(injector.get(), lights.data(), uint32_t(lights.size())));
+  } else {
+    container.check(lw_radiosity_set_direct(state.get(), tracedIrradiance(evaluation, radiosity.get()).data()));
+    container.check(lw_gl_radiosity_upload(gl_radiosity.get(), state.get(), LW_GL_RADIOSITY_DIRECT));
+  }
   container.check(lw_gl_radiosity_solve(gl_radiosity.get(), kTolerance, kMostSweeps, nullptr));
   lw_radiosity_shading shading = LW_RADIOSITY_SHADING_INIT;
   shading.light = evaluation.light;

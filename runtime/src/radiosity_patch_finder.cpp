@@ -8,7 +8,8 @@
 namespace lightwell::runtime {
 namespace {
 
-uint32_t texelAt(double uv, uint32_t size) { return uint32_t(std::clamp(uv * size, 0.0, double(size - 1))); }
+/// 0 for what is no number.
+uint32_t texelAt(double uv, uint32_t size) { return uv * size >= 1 ? uint32_t(std::min(uv * size, double(size - 1))) : 0; }
 
 }  // namespace
 

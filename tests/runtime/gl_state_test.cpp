@@ -25,12 +25,19 @@ std::string describeState(bool desktop) {
   for (const GLenum e : {GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_IMAGE_HEIGHT,
                          GL_UNPACK_SKIP_IMAGES, GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS})
     integer("pixel store", e);
-  for (const GLenum e : {GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD, GL_DEPTH_TEST, GL_STENCIL_TEST})
+  for (const GLenum e : {GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD, GL_DEPTH_TEST, GL_STENCIL_TEST, GL_POLYGON_OFFSET_FILL})
     line("enabled", glIsEnabled(e));
+  for (const GLenum e : {GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA, GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA,
+                         GL_DEPTH_FUNC})
+    integer("function", e);
+  integer("scissor box", GL_SCISSOR_BOX, 4);
   GLboolean mask[4];
   glGetBooleanv(GL_COLOR_WRITEMASK, mask);
   for (const GLboolean m : mask) line("mask", m);
+  glGetBooleanv(GL_DEPTH_WRITEMASK, mask);
+  line("depth mask", mask[0]);
   if (desktop) {
+    line("point size", glIsEnabled(GL_PROGRAM_POINT_SIZE));
     for (const GLenum e : {GL_UNPACK_SWAP_BYTES, GL_UNPACK_LSB_FIRST, GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST}) integer("pixel store", e);
     line("logic", glIsEnabled(GL_COLOR_LOGIC_OP));
     for (GLenum i = 0; i < 8; ++i) line("clip", glIsEnabled(GL_CLIP_DISTANCE0 + i));
@@ -87,8 +94,12 @@ class GlState : public GlFixture {
     for (const GLenum e : {GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD, GL_DEPTH_TEST, GL_STENCIL_TEST}) glEnable(e);
     glScissor(0, 0, 1, 1);
     glCullFace(GL_FRONT_AND_BACK);
-    glBlendFunc(GL_ZERO, GL_ZERO);
+    glBlendFuncSeparate(GL_ZERO, GL_ONE_MINUS_SRC_ALPHA, GL_SRC_ALPHA, GL_ZERO);
+    glBlendEquationSeparate(GL_FUNC_SUBTRACT, GL_MAX);
     glDepthFunc(GL_NEVER);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(3, 4);
     glStencilFunc(GL_NEVER, 0, 0xff);
     glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_FALSE);
     int value = 2;
@@ -102,6 +113,7 @@ class GlState : public GlFixture {
       glEnable(GL_COLOR_LOGIC_OP);
       glLogicOp(GL_CLEAR);
       glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+      glPointSize(7);
       for (GLenum i = 0; i < 8; i += 2) glEnable(GL_CLIP_DISTANCE0 + i);
       glColorMaski(2, GL_FALSE, GL_FALSE, GL_TRUE, GL_FALSE);
       glDisablei(GL_BLEND, 1);
@@ -196,6 +208,19 @@ TEST_P(GlState, IsRestoredByTheFunctionsOfRadiosity) {
   same("lw_gl_radiosity_read_atlas");
   for (const float e : rgb) EXPECT_NEAR(e, 2 * 3.14159265f, 1e-2f);
   EXPECT_NEAR(atlas[room.room.content.texel[0] * 4], 3.14159265f, 1e-2f);
+  lw_gl_radiosity_injector* injector = nullptr;
+  ASSERT_EQ(lw_gl_radiosity_injector_create(gpu, room.container.get(), room.radiosity, 64, &injector), LW_OK) << message;
+  same("lw_gl_radiosity_injector_create");
+  lw_light light = glPointLight(0.4f, 0.5f, 0.6f, 10).light;
+  ASSERT_EQ(lw_gl_radiosity_inject(injector, &light, 1), LW_OK) << message;
+  same("lw_gl_radiosity_inject");
+  ASSERT_EQ(lw_gl_radiosity_read_direct(gpu, rgb.data()), LW_OK);
+  same("lw_gl_radiosity_read_direct");
+  double power = 0;
+  for (uint32_t i = 0; i < room.info.patches; ++i) power += double(rgb[i * 3]) * double(room.room.content.patch_area[i]);
+  EXPECT_NEAR(power / (4 * 3.14159265 * 10), 1, 1e-4);
+  lw_gl_radiosity_injector_destroy(injector);
+  same("lw_gl_radiosity_injector_destroy");
   lw_gl_radiosity_destroy(gpu);
   same("lw_gl_radiosity_destroy");
 }

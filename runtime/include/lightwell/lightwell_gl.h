@@ -19,7 +19,9 @@
  * bindings; viewport; active texture unit; on units 0 to 5 the bindings of GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY, GL_TEXTURE_CUBE_MAP and
  * the sampler; GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD, the colour mask (of draw buffers 0 to 3 where the context
  * has them one by one); pixel pack and unpack buffer bindings and storage modes; on desktop GL also GL_COLOR_LOGIC_OP, the polygon mode
- * and clip distances 0 to 7; functions of environments also the binding of GL_UNIFORM_BUFFER. Viewports and scissor tests beyond the first are not preserved. Functions that create, upload or read clear
+ * and clip distances 0 to 7; functions of environments also the binding of GL_UNIFORM_BUFFER;
+ * lw_gl_radiosity_inject also the depth test, function and mask, scissor box, stencil test, polygon offset, GL_PROGRAM_POINT_SIZE, and the blend functions and
+ * equations (of draw buffer 0 where each has its own). Viewports and scissor tests beyond the first are not preserved. Functions that create, upload or read clear
  * GL's error flag; the others never ask for it. A running query that counts samples or primitives counts ours.
  *
  * Coordinates are the container's: metres relative to lw_scene_info.origin_m.
@@ -202,7 +204,25 @@ LW_API lw_result lw_gl_radiosity_solve(lw_gl_radiosity *gl_radiosity, double tol
 /* lw_radiosity_shade on the GPU, into the atlas texture. shading: NULL for LW_RADIOSITY_SHADING_INIT. */
 LW_API lw_result lw_gl_radiosity_shade(lw_gl_radiosity *gl_radiosity, const lw_radiosity_shading *shading);
 
-/* For tools and tests; waits for the GPU. irradiance_rgb: [patches][3], from other patches; atlas_rgba: [height][width][4]. */
+/* Light of moving lamps, as by lw_radiosity_inject, drawn by the GPU: every frame lw_gl_radiosity_inject in place of lw_gl_radiosity_upload with
+ * LW_GL_RADIOSITY_DIRECT. Each view is a draw of all of the container's triangles and one of side² points, which are added up in the texture of direct light.
+ * glClipControl must be as OpenGL has it at first. */
+typedef struct lw_gl_radiosity_injector lw_gl_radiosity_injector;
+/* `container` and `radiosity` are those that `gl_radiosity` was made of, and are not used afterwards; gl_radiosity must outlive the injector.
+ * Fails with LW_GL_UNSUPPORTED (on ES EXT_float_blend is needed), LW_LIMIT_EXCEEDED, LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT, and as
+ * lw_radiosity_injector_create does.
+ *
+ * side: pixels along a view, 8 to 4096; 128 is enough for most rooms. Textures: 112 bytes a triangle, 8 an atlas texel, 16 a patch, 12 a pixel. */
+LW_API lw_result lw_gl_radiosity_injector_create(lw_gl_radiosity *gl_radiosity, const lw_container *container, const lw_radiosity *radiosity,
+                                                 uint32_t side, lw_gl_radiosity_injector **injector);
+LW_API void lw_gl_radiosity_injector_destroy(lw_gl_radiosity_injector *injector);
+LW_API uint64_t lw_gl_radiosity_injector_texture_bytes(const lw_gl_radiosity_injector *injector);
+/* The direct light of the injector's lw_gl_radiosity becomes what all `count` lights give. LW_INVALID_ARGUMENT names the light whose values are out of
+ * range; nothing is drawn then. A spot costs the CPU the smooth edge at side² pixels (six times that when it is very wide). */
+LW_API lw_result lw_gl_radiosity_inject(lw_gl_radiosity_injector *injector, const lw_light *lights, uint32_t count);
+
+/* For tools and tests; waits for the GPU. irradiance_rgb: [patches][3], from other patches, or of lights; atlas_rgba: [height][width][4]. */
+LW_API lw_result lw_gl_radiosity_read_direct(lw_gl_radiosity *gl_radiosity, float *irradiance_rgb);
 LW_API lw_result lw_gl_radiosity_read_irradiance(lw_gl_radiosity *gl_radiosity, float *irradiance_rgb);
 LW_API lw_result lw_gl_radiosity_read_atlas(lw_gl_radiosity *gl_radiosity, float *atlas_rgba);
 

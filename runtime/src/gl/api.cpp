@@ -13,6 +13,14 @@ bool loadFunction(const lw_gl_config& config, const char* name, Function& functi
   return address != nullptr;
 }
 
+bool hasExtension(const Api& api, const char* name) {
+  int32_t count = 0;
+  api.GetIntegerv(kNumExtensions, &count);
+  for (int32_t i = 0; i < count; ++i)
+    if (const auto* extension = reinterpret_cast<const char*>(api.GetStringi(kExtensions, uint32_t(i))); extension && std::strcmp(extension, name) == 0) return true;
+  return false;
+}
+
 }  // namespace
 
 lw_result Api::load(const lw_gl_config& config, const Host& host) {
@@ -27,19 +35,16 @@ lw_result Api::load(const lw_gl_config& config, const Host& host) {
   GetIntegerv(kMinorVersion, &minor);
   version = major * 10 + minor;
   if (version < (embedded ? 30 : 33)) return host.fail(LW_GL_UNSUPPORTED, "OpenGL 3.3 or OpenGL ES 3.0 is needed; the context is %s", text);
-  if (embedded && version < 32) {
-    bool renders_floats = false;
-    int32_t count = 0;
-    GetIntegerv(kNumExtensions, &count);
-    for (int32_t i = 0; i < count && !renders_floats; ++i) {
-      const auto* extension = reinterpret_cast<const char*>(GetStringi(kExtensions, uint32_t(i)));
-      renders_floats = extension && std::strcmp(extension, "GL_EXT_color_buffer_float") == 0;
-    }
-    if (!renders_floats) return host.fail(LW_GL_UNSUPPORTED, "the context has no EXT_color_buffer_float");
-  }
+  blends_floats = !embedded || hasExtension(*this, "GL_EXT_float_blend");
+  if (embedded && version < 32 && !hasExtension(*this, "GL_EXT_color_buffer_float"))
+    return host.fail(LW_GL_UNSUPPORTED, "the context has no EXT_color_buffer_float");
   indexed = !embedded || version >= 32;
+  indexed_blending = version >= (embedded ? 32 : 40);
   if (indexed) {
     LW_GL_INDEXED_FUNCTIONS(LW_GL_LOAD)
+  }
+  if (indexed_blending) {
+    LW_GL_INDEXED_BLENDING_FUNCTIONS(LW_GL_LOAD)
   }
   if (!embedded) {
     LW_GL_DESKTOP_FUNCTIONS(LW_GL_LOAD)

@@ -46,7 +46,9 @@ inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505, kTriangles = 0x0004, 
                       kDepthWritemask = 0x0B72, kDepthFunc = 0x0B74, kStencilTest = 0x0B90, kScissorBox = 0x0C10,
                       kPolygonOffsetFill = 0x8037, kDepthComponent = 0x1902, kDepthComponent16 = 0x81A5, kDepthAttachment = 0x8D00,
                       kStaticDraw = 0x88E4, kUniformBuffer = 0x8A11, kUniformBufferBinding = 0x8A28, kMaxUniformBlockSize = 0x8A30,
-                      kUniformBlockDataSize = 0x8A40;
+                      kUniformBlockDataSize = 0x8A40, kPoints = 0x0000, kOne = 0x0001, kGreater = 0x0204, kFuncAdd = 0x8006, kBlendEquationRgb = 0x8009,
+                      kBlendDstRgb = 0x80C8, kBlendSrcRgb = 0x80C9, kBlendDstAlpha = 0x80CA, kBlendSrcAlpha = 0x80CB, kR8 = 0x8229,
+                      kProgramPointSize = 0x8642, kBlendEquationAlpha = 0x883D, kDepthComponent32f = 0x8CAC;
 /// What glGetUniformBlockIndex answers when there is no such block.
 inline constexpr uint32_t kInvalidIndex = 0xffffffffu;
 
@@ -60,10 +62,13 @@ inline constexpr uint32_t kInvalidIndex = 0xffffffffu;
   X(void, BindSampler, (uint32_t unit, Name sampler)) \
   X(void, BindTexture, (Enum target, Name texture)) \
   X(void, BindVertexArray, (Name array)) \
+  X(void, BlendEquationSeparate, (Enum rgb, Enum alpha)) \
+  X(void, BlendFuncSeparate, (Enum source_rgb, Enum target_rgb, Enum source_alpha, Enum target_alpha)) \
   X(void, BufferData, (Enum target, ptrdiff_t bytes, const void* data, Enum usage)) \
   X(void, BufferSubData, (Enum target, ptrdiff_t offset, ptrdiff_t bytes, const void* data)) \
   X(Enum, CheckFramebufferStatus, (Enum target)) \
   X(void, ClearBufferfv, (Enum buffer, int32_t index, const float* value)) \
+  X(void, ClearBufferuiv, (Enum buffer, int32_t index, const uint32_t* value)) \
   X(void, ColorMask, (uint8_t r, uint8_t g, uint8_t b, uint8_t a)) \
   X(void, CompileShader, (Name shader)) \
   X(Name, CreateProgram, (void)) \
@@ -134,6 +139,12 @@ inline constexpr uint32_t kInvalidIndex = 0xffffffffu;
   X(void, GetBooleani_v, (Enum name, uint32_t index, uint8_t* values)) \
   X(uint8_t, IsEnabledi, (Enum capability, uint32_t index))
 
+// Blend functions of single draw buffers: OpenGL since 4.0, and OpenGL ES since 3.2.
+#define LW_GL_INDEXED_BLENDING_FUNCTIONS(X) \
+  X(void, BlendEquationSeparatei, (uint32_t index, Enum rgb, Enum alpha)) \
+  X(void, BlendFuncSeparatei, (uint32_t index, Enum source_rgb, Enum target_rgb, Enum source_alpha, Enum target_alpha)) \
+  X(void, GetIntegeri_v, (Enum name, uint32_t index, int32_t* values))
+
 #define LW_GL_DESKTOP_FUNCTIONS(X) X(void, PolygonMode, (Enum face, Enum mode))
 
 /// The functions, called as api.DrawArrays(…), and what kind of context it is.
@@ -141,11 +152,14 @@ struct Api {
 #define LW_GL_MEMBER(result, name, parameters) result(LW_GL_CALL* name) parameters = nullptr;
   LW_GL_FUNCTIONS(LW_GL_MEMBER)
   LW_GL_INDEXED_FUNCTIONS(LW_GL_MEMBER)
+  LW_GL_INDEXED_BLENDING_FUNCTIONS(LW_GL_MEMBER)
   LW_GL_DESKTOP_FUNCTIONS(LW_GL_MEMBER)
 #undef LW_GL_MEMBER
   bool embedded = false;  // OpenGL ES
   int version = 0;        // 33 for 3.3
   bool indexed = false;   // the indexed functions are there
+  bool indexed_blending = false;
+  bool blends_floats = false;  // of 32 bits
   int32_t max_texture_size = 0, max_array_layers = 0, max_uniform_block_bytes = 0;
 
   lw_result load(const lw_gl_config& config, const Host& host);

@@ -31,10 +31,11 @@ Name compileShader(const lw_gl& context, gl::Enum type, std::initializer_list<co
 
 /// Samplers are given in the order of the units that they read from.
 lw_result compile(const lw_gl& context, const char* what, std::initializer_list<const char*> fragment,
-                  std::initializer_list<const char*> samplers, std::initializer_list<const char*> uniforms, gl::Program& program) {
+                  std::initializer_list<const char*> samplers, std::initializer_list<const char*> uniforms, gl::Program& program,
+                  std::initializer_list<const char*> vertex = {gl::glsl::kVertex}) {
   const gl::Api& api = context.api;
   lw_result result = LW_OK;
-  const Name vertex_shader = compileShader(context, gl::kVertexShader, {gl::glsl::kVertex}, "vertex", result);
+  const Name vertex_shader = compileShader(context, gl::kVertexShader, vertex, "vertex", result);
   const Name fragment_shader = compileShader(context, gl::kFragmentShader, fragment, what, result);
   program.name = api.CreateProgram();
   api.AttachShader(program.name, vertex_shader);
@@ -106,6 +107,13 @@ lw_result lw_gl::compilePrograms() {
     result = compile(*this, "radiosity", {kAddress, kRadiosityShade},
                      {"u_texel_map", "u_texel_patch", "u_texel_weight", "u_irradiance", "u_emitters", "u_direct"}, {"u_fill", "u_amounts", "u_max"},
                      radiosity_shade);
+  if (!result)
+    result = compile(*this, "view of a light", {kAddress, kInjectSee},
+                     {"u_corner", "u_triangle", "u_texel_patches", "u_patch", "u_alpha_material", "u_alpha"},
+                     {"u_eye", "u_right", "u_up", "u_forward", "u_range"}, inject_see, {kAddress, kInjectSeeVertex});
+  if (!result)
+    result = compile(*this, "light injection", {kInjectAdd}, {"u_seen", "u_patch"}, {"u_side", "u_light", "u_cone", "u_spot"}, inject_add,
+                     {kAddress, kInjectAddVertex});
   return result;
 }
 
@@ -143,7 +151,7 @@ void lw_gl_destroy(lw_gl* context) {
   api.DeleteSamplers(2, context->shadow_sampler);
   for (const gl::Program* program : {&context->entries, &context->clusters, &context->rank, &context->select, &context->panes,
                                      &context->coefficients, &context->reconstruct, &context->radiosity_patches, &context->radiosity_nodes,
-                                     &context->radiosity_gather, &context->radiosity_shade})
+                                     &context->radiosity_gather, &context->radiosity_shade, &context->inject_see, &context->inject_add})
     if (program->name) api.DeleteProgram(program->name);
   lightwell::runtime::destroyHandle(context);
 }

@@ -21,7 +21,7 @@ struct lw_gl {
   uint32_t vertex_array = 0;           // empty: vertices come from gl_VertexID
   uint32_t shadow_sampler[2] = {};     // plain, reversed depth
   Program entries, clusters, rank, select, panes, coefficients, reconstruct;
-  Program radiosity_patches, radiosity_nodes, radiosity_gather, radiosity_shade;
+  Program radiosity_patches, radiosity_nodes, radiosity_gather, radiosity_shade, inject_see, inject_add;
 
   lw_result compilePrograms();
 };
@@ -61,6 +61,12 @@ enum { patches, omega };
 }
 namespace radiosity_shade_uniform {
 enum { fill, amounts, max };
+}
+namespace inject_see_uniform {
+enum { eye, right, up, forward, range };
+}
+namespace inject_add_uniform {
+enum { side, light, cone, spot };
 }
 
 }  // namespace lightwell::runtime::gl

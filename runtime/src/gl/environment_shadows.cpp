@@ -11,37 +11,6 @@ namespace {
 
 constexpr float kFarthest_m = 1e12f;
 
-/// The states of depth maps that StateGuard leaves alone.
-class DepthStateGuard {
- public:
-  explicit DepthStateGuard(const Api& api) : api_(api) {
-    api.GetIntegerv(kScissorBox, scissor_);
-    api.GetIntegerv(kDepthFunc, &function_);
-    api.GetBooleanv(kDepthWritemask, &mask_);
-    test_ = api.IsEnabled(kDepthTest);
-    stencil_ = api.IsEnabled(kStencilTest);
-    offset_ = api.IsEnabled(kPolygonOffsetFill);
-  }
-  ~DepthStateGuard() {
-    api_.Scissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
-    api_.Disable(kScissorTest);  // as StateGuard, which puts back what it was, has set it
-    api_.DepthFunc(Enum(function_));
-    api_.DepthMask(mask_);
-    set(kDepthTest, test_);
-    set(kStencilTest, stencil_);
-    set(kPolygonOffsetFill, offset_);
-  }
-  DepthStateGuard(const DepthStateGuard&) = delete;
-  DepthStateGuard& operator=(const DepthStateGuard&) = delete;
-
- private:
-  void set(Enum capability, bool on) const { on ? api_.Enable(capability) : api_.Disable(capability); }
-  const Api& api_;
-  int32_t scissor_[4] = {}, function_ = 0;
-  uint8_t mask_ = 0;
-  bool test_, stencil_, offset_;
-};
-
 /// Duff et al., "Building an Orthonormal Basis, Revisited" (JCGT 2017), as lwBasis has it.
 void basis(const float* n, float* tangent, float* bitangent) {
   const float sign = std::copysign(1.0f, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;

@@ -33,3 +33,22 @@ struct lw_gl_radiosity {
   Target node, level;                     // radiosities of all nodes; of one level while it is made
   Target atlas;
 };
+
+/// The container's triangles, and a view of them. Works for one lw_gl_radiosity.
+struct lw_gl_radiosity_injector {
+  using Name = lightwell::runtime::gl::Name;
+
+  lightwell::runtime::Host host;
+  lw_gl_radiosity* target = nullptr;
+  uint32_t side = 0, triangles = 0;
+  uint64_t texture_bytes = 0;
+  float bounds_min_m[3] = {}, bounds_max_m[3] = {};
+  lightwell::runtime::Array<double> corner;  // [2][side + 1]: see cornerAngles
+
+  Name corners = 0, triangle = 0;         // RGBA32F, RGBA32UI lists; see kInjectSee
+  Name texel_patches = 0;                 // RG32UI, width × height
+  Name patch = 0;                         // RGBA32F list
+  Name alpha_material = 0, alpha = 0;     // RGBA32UI, R8 lists
+  lightwell::runtime::gl::Target seen;    // RG32UI, side × side
+  Name depth = 0;
+};

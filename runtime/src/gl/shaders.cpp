@@ -18,7 +18,7 @@ precision highp usampler2DArray;
 const char kAddress[] = R"(
 ivec3 lwAddress(int i) { return ivec3(i & 2047, (i >> 11) & 2047, i >> 22); }
 ivec2 lwPixel(int i) { return ivec2(i & 2047, i >> 11); }
-int lwIndex() { return int(gl_FragCoord.y) * 2048 + int(gl_FragCoord.x); }
+#define lwIndex() (int(gl_FragCoord.y) * 2048 + int(gl_FragCoord.x))
 )";
 
 const char kVertex[] = R"(

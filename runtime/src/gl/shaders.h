@@ -13,6 +13,8 @@ extern const char kLight[], kAtlas[], kLocalBases[], kEnvironment[];  // public 
 extern const char kOwnValue[];    // lwEntry, lwEmitted: what a texel shows, and what buried texels have themselves
 // Fragment shaders.
 extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kCoefficients[], kReconstruct[];
-extern const char kRadiosityPatches[], kRadiosityNodes[], kRadiosityGather[], kRadiosityShade[];
+extern const char kRadiosityPatches[], kRadiosityNodes[], kRadiosityGather[], kRadiosityShade[], kInjectSee[], kInjectAdd[];
+// Vertex shaders of light injection.
+extern const char kInjectSeeVertex[], kInjectAddVertex[];
 
 }  // namespace lightwell::runtime::gl::glsl

@@ -111,4 +111,66 @@ StateGuard::~StateGuard() {
   api.UseProgram(Name(program_));
 }
 
+DepthStateGuard::DepthStateGuard(const Api& api) : api_(api) {
+  api.GetIntegerv(kScissorBox, scissor_);
+  api.GetIntegerv(kDepthFunc, &function_);
+  api.GetBooleanv(kDepthWritemask, &mask_);
+  test_ = api.IsEnabled(kDepthTest);
+  stencil_ = api.IsEnabled(kStencilTest);
+  offset_ = api.IsEnabled(kPolygonOffsetFill);
+}
+
+DepthStateGuard::~DepthStateGuard() {
+  const auto set = [this](Enum capability, bool on) { on ? api_.Enable(capability) : api_.Disable(capability); };
+  api_.Scissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
+  api_.Disable(kScissorTest);  // as StateGuard, which puts back what it was, has set it
+  api_.DepthFunc(Enum(function_));
+  api_.DepthMask(mask_);
+  set(kDepthTest, test_);
+  set(kStencilTest, stencil_);
+  set(kPolygonOffsetFill, offset_);
+}
+
+SumGuard::SumGuard(const Api& api) : api_(api) {
+  equation_rgb_ = get(kBlendEquationRgb);
+  equation_alpha_ = get(kBlendEquationAlpha);
+  source_rgb_ = get(kBlendSrcRgb);
+  target_rgb_ = get(kBlendDstRgb);
+  source_alpha_ = get(kBlendSrcAlpha);
+  target_alpha_ = get(kBlendDstAlpha);
+  set(kFuncAdd, kFuncAdd, kOne, kOne, kOne, kOne);
+  if (api.embedded) return;
+  point_size_ = api.IsEnabled(kProgramPointSize);
+  if (!point_size_) api.Enable(kProgramPointSize);
+}
+
+SumGuard::~SumGuard() {
+  if (!point_size_) api_.Disable(kProgramPointSize);
+  set(Enum(equation_rgb_), Enum(equation_alpha_), Enum(source_rgb_), Enum(target_rgb_), Enum(source_alpha_), Enum(target_alpha_));
+  blend(false);
+}
+
+void SumGuard::blend(bool on) const {
+  if (api_.indexed)
+    on ? api_.Enablei(kBlend, 0) : api_.Disablei(kBlend, 0);
+  else
+    on ? api_.Enable(kBlend) : api_.Disable(kBlend);
+}
+
+int32_t SumGuard::get(Enum name) const {
+  int32_t value = 0;
+  api_.indexed_blending ? api_.GetIntegeri_v(name, 0, &value) : api_.GetIntegerv(name, &value);
+  return value;
+}
+
+void SumGuard::set(Enum equation_rgb, Enum equation_alpha, Enum source_rgb, Enum target_rgb, Enum source_alpha, Enum target_alpha) const {
+  if (api_.indexed_blending) {
+    api_.BlendEquationSeparatei(0, equation_rgb, equation_alpha);
+    api_.BlendFuncSeparatei(0, source_rgb, target_rgb, source_alpha, target_alpha);
+  } else {
+    api_.BlendEquationSeparate(equation_rgb, equation_alpha);
+    api_.BlendFuncSeparate(source_rgb, target_rgb, source_alpha, target_alpha);
+  }
+}
+
 }  // namespace lightwell::runtime::gl

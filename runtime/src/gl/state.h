@@ -32,4 +32,38 @@ class StateGuard {
   uint8_t color_mask_[kDrawBuffers][4];
 };
 
+/// The states of drawing with a depth test, which StateGuard leaves alone, saved and restored inside of one. Sets nothing.
+class DepthStateGuard {
+ public:
+  explicit DepthStateGuard(const Api& api);
+  ~DepthStateGuard();
+  DepthStateGuard(const DepthStateGuard&) = delete;
+  DepthStateGuard& operator=(const DepthStateGuard&) = delete;
+
+ private:
+  const Api& api_;
+  int32_t scissor_[4] = {}, function_ = 0;
+  uint8_t mask_ = 0;
+  bool test_, stencil_, offset_;
+};
+
+/// How points are added up in draw buffer 0: sums as blending, one pixel a point. Inside of a StateGuard, whose state it leaves: blending off.
+class SumGuard {
+ public:
+  explicit SumGuard(const Api& api);
+  ~SumGuard();
+  SumGuard(const SumGuard&) = delete;
+  SumGuard& operator=(const SumGuard&) = delete;
+
+  /// Switches blending of draw buffer 0.
+  void blend(bool on) const;
+
+ private:
+  int32_t get(Enum name) const;
+  void set(Enum equation_rgb, Enum equation_alpha, Enum source_rgb, Enum target_rgb, Enum source_alpha, Enum target_alpha) const;
+  const Api& api_;
+  int32_t equation_rgb_, equation_alpha_, source_rgb_, target_rgb_, source_alpha_, target_alpha_;
+  bool point_size_ = true;
+};
+
 }  // namespace lightwell::runtime::gl

@@ -15,7 +15,8 @@ inline constexpr TexelFormat kTexelRgba32f{kRgba32f, kRgba, kFloat, 16}, kTexelR
     kTexelRgb9e5{kRgb9e5, kRgb, kUnsignedInt5999Rev, 4}, kTexelRgb16f{kRgb16f, kRgb, kHalfFloat, 6},
     kTexelRgb8i{kRgb8i, kRgbInteger, kByte, 3}, kTexelRgb16i{kRgb16i, kRgbInteger, kShort, 6},
     kTexelRgb8ui{kRgb8ui, kRgbInteger, kUnsignedByte, 3}, kTexelRgb16ui{kRgb16ui, kRgbInteger, kUnsignedShort, 6},
-    kTexelRgba8Snorm{kRgba8Snorm, kRgba, kByte, 4};
+    kTexelRgba8Snorm{kRgba8Snorm, kRgba, kByte, 4}, kTexelR8{kR8, kRed, kUnsignedByte, 1},
+    kTexelDepth32f{kDepthComponent32f, kDepthComponent, kFloat, 4};
 
 /// A list of elements in the layers of a GL_TEXTURE_2D_ARRAY: element i is at x = i % 2048, y = i / 2048 % 2048, layer i / 2048²
 /// (lwAddress). Bound to the active unit afterwards. 0 when the context's limits are too small. `data` may be null.
