@@ -104,6 +104,14 @@ TEST_F(Incremental, ReferencesOfTheErrorSeeColoursAlone) {
   EXPECT_THAT(bake(room_, settings_, store_).phases, UnorderedElementsAre("bounces", "solve", "fit", "measure", "container"));
 }
 
+TEST_F(Incremental, FormFactorsDoNotKnowOfColours) {
+  settings_.techniques = {plan::Technique::radiosity};
+  bake(room_, settings_, store_);
+  room_.box_albedo = 0.25;
+  room_.box_emission = 3;
+  EXPECT_THAT(again().phases, UnorderedElementsAre("form factors", "links", "container")) << "patches, hits and training lights stay";
+}
+
 TEST_F(Incremental, FinerBasesAreFittedToTheSameTransport) {
   settings_.refinement = -1;
   const Result result = again();
