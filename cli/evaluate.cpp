@@ -174,7 +174,12 @@ and depth maps on OpenGL, where --environment-technique and the rest apply.
 Examples:
   lightwell evaluate room.lwc --technique prm --evaluator cpu --component indirect -o indirect.exr
   lightwell evaluate room.lwc --technique prm --evaluator gl --component total --lights lamps.json -o total.exr)");
-  command->callback([&session, options] { run(session, *options); });
+  command->callback([&session, options, command] {
+    for (const char* option : {"--environment-technique", "--environment-cells", "--environment-map-size", "--environment-sun-map-size"})
+      if (command->count(option) > 0 && (options->technique != "environment" || options->evaluator != "gl"))
+        throw UsageError(std::string(option) + ": only --technique environment --evaluator gl draws a sky's shadows in maps");
+    run(session, *options);
+  });
 }
 
 }  // namespace lightwell::cli
