@@ -56,8 +56,8 @@ void appendEntry(std::span<const Member> members, float total_area, PrmEntries& 
     area += member.area;
   }
   centroid /= area;
-  Vec3 position;
-  Vec3 normal_there;
+  Vec3 position(0.0f);
+  Vec3 normal_there(0.0f);
   float distance2 = std::numeric_limits<float>::infinity();
   for (const auto& member : members) {
     const Vec3 candidate = closestPointOnTriangle(member.corner, centroid);
