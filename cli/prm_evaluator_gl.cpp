@@ -1,19 +1,8 @@
-#include "cli/gl_handles.h"
+#include "cli/gl_context.h"
 #include "cli/prm_evaluator.h"
-#include "precompute/core/error.h"
-#include "render/egl_context.h"
-#include "render/error.h"
 
 namespace lightwell::cli {
 namespace {
-
-std::unique_ptr<render::EglContext> openContext() {
-  try {
-    return std::make_unique<render::EglContext>();
-  } catch (const render::RenderError& error) {
-    throw UsageError(std::string("--evaluator gl: ") + error.what());
-  }
-}
 
 /// The visibility textures of the lights; they end with the transport that made them.
 class VisibilityTextures {
@@ -44,12 +33,7 @@ std::vector<float> evaluatePrmOnGl(const PrmEvaluation& evaluation) {
   lw_prm_info info;
   container.check(lw_prm_get_info(prm.get(), &info));
 
-  const auto context = openContext();
-  lw_gl_config config = LW_GL_CONFIG_INIT;
-  config.loader = render::EglContext::load;
-  lw_gl* gl_raw = nullptr;
-  container.check(lw_gl_create(&config, &gl_raw));
-  const GlHandle gl(gl_raw);
+  const GlContext gl(container);
   lw_gl_prm_options prm_options = LW_GL_PRM_OPTIONS_INIT;
   prm_options.atlas_format = LW_GL_ATLAS_RGBA32F;  // an EXR holds 32-bit floats; a game is served by the half of it
   lw_gl_prm* gl_prm_raw = nullptr;

@@ -1,22 +1,11 @@
-#include "cli/gl_handles.h"
+#include "cli/gl_context.h"
 #include "cli/radiosity_evaluator.h"
-#include "precompute/core/error.h"
-#include "render/egl_context.h"
-#include "render/error.h"
 
 namespace lightwell::cli {
 namespace {
 
 constexpr double kTolerance = 1e-5;
 constexpr uint32_t kMostSweeps = 1000;
-
-std::unique_ptr<render::EglContext> openContext() {
-  try {
-    return std::make_unique<render::EglContext>();
-  } catch (const render::RenderError& error) {
-    throw UsageError(std::string("--evaluator gl: ") + error.what());
-  }
-}
 
 }  // namespace
 
@@ -27,12 +16,7 @@ std::vector<float> evaluateRadiosityOnGl(const RadiosityEvaluation& evaluation) 
   lw_radiosity_info info;
   container.check(lw_radiosity_get_info(radiosity.get(), &info));
 
-  const auto context = openContext();
-  lw_gl_config config = LW_GL_CONFIG_INIT;
-  config.loader = render::EglContext::load;
-  lw_gl* gl_raw = nullptr;
-  container.check(lw_gl_create(&config, &gl_raw));
-  const GlHandle gl(gl_raw);
+  const GlContext gl(container);
   lw_gl_radiosity_options options = LW_GL_RADIOSITY_OPTIONS_INIT;
   options.atlas_format = LW_GL_ATLAS_RGBA32F;  // an EXR holds 32-bit floats; a game is served by the half of it
   lw_gl_radiosity* gl_radiosity_raw = nullptr;

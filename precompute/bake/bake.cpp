@@ -3,7 +3,7 @@
 #include "format/encode/writer.h"
 #include "precompute/bake/environment_tasks.h"
 #include "precompute/bake/measured_error.h"
-#include "precompute/bake/parameters.h"
+#include "precompute/bake/stage_tasks.h"
 #include "precompute/bake/prm_tasks.h"
 #include "precompute/bake/radiosity_tasks.h"
 #include "precompute/bake/sections.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "precompute/bake/bake.h"
-#include "precompute/bake/parameters.h"
+#include "precompute/bake/stage_tasks.h"
 
 namespace lightwell::bake {
 namespace {
@@ -83,30 +83,18 @@ std::shared_ptr<const transport::PrmBaker> makePrmBaker(const BakeContext& conte
 
 PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transport::PrmSettings& settings,
                      std::shared_ptr<const transport::PrmBaker> baker) {
-  // One task for each piece of [0, count); `stage` is called with the ends of the piece.
-  const auto addRange = [&](const std::string& name, const Parameters& parameters, uint32_t count, uint32_t piece, double cost_each,
-                            const std::vector<TaskIndex>& inputs, const auto& stage) {
-    std::vector<TaskIndex> tasks;
-    for (uint32_t first = 0; first < count; first += piece) {
-      const uint32_t end = std::min(count, first + piece);
-      tasks.push_back(graph.add({"prm/" + name + "/" + std::to_string(first / piece), name, "prm/" + name,
-                                 parameters.text() + " [" + std::to_string(first) + ", " + std::to_string(end) + ")", inputs,
-                                 cost_each * (end - first), [stage, first, end](const TaskInputs& in) { return stage(first, end, in); }}));
-    }
-    return tasks;
-  };
   PrmTasks tasks{baker, {}, {}};
   const SceneKeys& keys = context.keys();
   const transport::LocalBasesOptions& bases = settings.bases;
   const double entries = settings.entries.clusters * double(settings.entries.points_per_cluster);
-  const auto bounces = addRange("bounces", entryParameters(keys.reflection, settings).add(settings.cluster_rays), baker->groupCount(),
+  const auto bounces = addRange(graph, "prm", "bounces", entryParameters(keys.reflection, settings).add(settings.cluster_rays), baker->groupCount(),
                                 kGroupsPerTask, settings.cluster_rays, {},
                                 [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->oneBounce(first, end); });
   // A training light does not depend on their number: more of them are made from those that there are.
-  const auto training = addRange("training", entryParameters(keys.geometry, settings), baker->trainingLightCount(), kLightsPerTask, entries, {},
+  const auto training = addRange(graph, "prm", "training", entryParameters(keys.geometry, settings), baker->trainingLightCount(), kLightsPerTask, entries, {},
                                  [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->trainingDirect(first, end); });
   if (baker->hasEmitters())
-    tasks.emitter = addRange("emitters", Parameters(keys.emission).add(settings.emitter_samples, bases.rays, settings.seed), baker->sideCount(),
+    tasks.emitter = addRange(graph, "prm", "emitters", Parameters(keys.emission).add(settings.emitter_samples, bases.rays, settings.seed), baker->sideCount(),
                              kSidesPerTask, 2.0 * settings.emitter_samples, {},
                              [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->emitterDirect(first, end); });
 
@@ -124,7 +112,7 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
   const Parameters fit = entryParameters(keys.reflection, settings)
                              .add(settings.layout, settings.estimator, settings.walks_per_entry, bases.block_texels, bases.most_rank,
                                   bases.rank_error, bases.link_error, bases.prune_error, bases.rays);
-  tasks.blocks = addRange("fit", fit, baker->blockCount(), kBlocksPerTask, 4.0 * bases.block_texels * bases.rays, {solve},
+  tasks.blocks = addRange(graph, "prm", "fit", fit, baker->blockCount(), kBlocksPerTask, 4.0 * bases.block_texels * bases.rays, {solve},
                           [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fit(first, end, *in.inputs[0]); });
   return tasks;
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "precompute/bake/bake.h"
-#include "precompute/bake/parameters.h"
+#include "precompute/bake/stage_tasks.h"
 
 namespace lightwell::bake {
 namespace {
@@ -64,21 +64,10 @@ std::shared_ptr<const transport::RadiosityBaker> makeRadiosityBaker(const BakeCo
 
 std::vector<TaskIndex> addRadiosityTasks(TaskGraph& graph, const BakeContext& context, const transport::RadiositySettings& settings,
                                          std::shared_ptr<const transport::RadiosityBaker> baker) {
-  const auto addRange = [&](const std::string& name, const Parameters& parameters, uint32_t count, uint32_t piece, double cost_each,
-                            const std::vector<TaskIndex>& inputs, const auto& stage) {
-    std::vector<TaskIndex> tasks;
-    for (uint32_t first = 0; first < count; first += piece) {
-      const uint32_t end = std::min(count, first + piece);
-      tasks.push_back(graph.add({"radiosity/" + name + "/" + std::to_string(first / piece), name, "radiosity/" + name,
-                                 parameters.text() + " [" + std::to_string(first) + ", " + std::to_string(end) + ")", inputs,
-                                 cost_each * (end - first), [stage, first, end](const TaskInputs& in) { return stage(first, end, in); }}));
-    }
-    return tasks;
-  };
   const double patches = baker->patchCount();
-  const auto hits = addRange("hits", patchParameters(context, settings).add(settings.rays), baker->patchCount(), kPatchesPerTask, settings.rays, {},
+  const auto hits = addRange(graph, "radiosity", "hits", patchParameters(context, settings).add(settings.rays), baker->patchCount(), kPatchesPerTask, settings.rays, {},
                              [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->hits(first, end); });
-  const auto direct = addRange("patch light", patchParameters(context, settings), baker->trainingLightCount(), kLightsPerTask, 4 * patches, {},
+  const auto direct = addRange(graph, "radiosity", "patch light", patchParameters(context, settings), baker->trainingLightCount(), kLightsPerTask, 4 * patches, {},
                                [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->direct(first, end); });
   std::vector<TaskIndex> train_inputs = hits;
   train_inputs.insert(train_inputs.end(), direct.begin(), direct.end());
@@ -91,7 +80,7 @@ std::vector<TaskIndex> addRadiosityTasks(TaskGraph& graph, const BakeContext& co
                                      }});
   auto link_parameters = train_parameters;
   link_parameters.add(settings.links.link_error, settings.links.uneven, settings.links.prune);
-  return addRange("links", link_parameters, baker->patchCount(), kRowsPerTask, settings.rays, {train},
+  return addRange(graph, "radiosity", "links", link_parameters, baker->patchCount(), kRowsPerTask, settings.rays, {train},
                   [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->links(first, end, *in.inputs[0]); });
 }
 

@@ -70,7 +70,7 @@ struct Factors {
     patches = makePatches(p.scene, p.atlas, *p.tracer, sides, exposed, options);
     colorPatches(p.atlas, sides, exposed, patches);
     const HitCounts hits = countHits(p.scene, p.atlas, *p.tracer, sides, patches, rays, 1, 0, patches.count());
-    factors = makeFormFactors(patches, hits, rays, Reciprocity::enforced);
+    factors = makeFormFactors(patches, hits, rays);
   }
 };
 
@@ -270,6 +270,18 @@ TEST(Radiosity, AClosedRoomKeepsTheEnergyOfALamp) {
   for (uint32_t i = 0; i < result.patches.count(); ++i) received += double(solution.irradiance_rgb[i].x) * result.patches.area[i];
   EXPECT_NEAR(lamp / (4 * kPi * 10), 1, 0.005);
   EXPECT_NEAR(received / (lamp * 0.6 / 0.4), 1, 0.002);
+}
+
+TEST(Radiosity, ABlackRoomAndALonePlaneHaveLinksAllTheSame) {
+  // What is black may be painted: form factors are there although no training light tells what matters.
+  const Prepared black(test::closedBox({1, 1, 1}, test::diffuse(0.0f)), 24);
+  const RadiosityResult room = bake(black, smallSettings());
+  const std::vector<Rgb> white(room.patches.count(), Rgb(0.5f)), one(room.patches.count(), Rgb(1.0f)), dark(room.patches.count(), Rgb(0.0f));
+  for (const Rgb& irradiance_rgb : solveRadiosity(room.links, room.tree, white, one, dark).irradiance_rgb) ASSERT_NEAR(irradiance_rgb.x, 1.0f, 0.01f);
+  test::SceneBuilder builder;
+  builder.quad({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, builder.material(test::diffuse(0.5f)));
+  const Prepared plane(builder.take(), 16);
+  EXPECT_TRUE(bake(plane, smallSettings()).links.node.empty());
 }
 
 TEST(Radiosity, StagesDependNeitherOnThreadsNorOnHowTheyAreCut) {

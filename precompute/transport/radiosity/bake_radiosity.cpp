@@ -131,7 +131,7 @@ Bytes RadiosityBaker::train(std::span<const ByteView> hits, std::span<const Byte
       irradiance.push_back(reader.array<float>());
       require(irradiance.back().size() == patchCount());
     }
-  const FormFactors factors = makeFormFactors(impl_->patches, counts, impl_->settings.rays, Reciprocity::enforced);
+  const FormFactors factors = makeFormFactors(impl_->patches, counts, impl_->settings.rays);
   const RadiosityTraining training = trainRadiosity(impl_->patches, factors, irradiance);
   ByteWriter writer;
   writer.array(factors.first);

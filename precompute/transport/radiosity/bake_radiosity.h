@@ -42,7 +42,7 @@ class RadiosityBaker {
   Bytes train(std::span<const ByteView> hits, std::span<const ByteView> direct) const;
   /// The compressed rows of patches [first, end).
   Bytes links(uint32_t first, uint32_t end, ByteView trained) const;
-  /// Joins the links (in range order). `trained` only says how many transfers there were.
+  /// Joins, balances and rounds the links (in range order). This and the stages before throw std::runtime_error for inputs that no stage wrote.
   RadiosityResult assemble(std::span<const ByteView> links) const;
 
  private:

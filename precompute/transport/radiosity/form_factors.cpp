@@ -89,17 +89,10 @@ HitCounts countHits(const scene::Scene& scene, const atlas::Atlas& atlas, const 
   return counts;
 }
 
-FormFactors makeFormFactors(const Patches& patches, const HitCounts& hits, uint32_t rays, Reciprocity reciprocity) {
+FormFactors makeFormFactors(const Patches& patches, const HitCounts& hits, uint32_t rays) {
   FormFactors factors;
   // Rays from hidden points count for nothing.
   const auto exposedRays = [&](uint32_t patch) { return double(rays) * patches.exposed_share[patch]; };
-  if (reciprocity == Reciprocity::none) {
-    factors.first = hits.first;
-    factors.patch = hits.patch;
-    for (uint32_t row = 0; row < patches.count(); ++row)
-      for (uint64_t i = hits.first[row]; i < hits.first[row + 1]; ++i) factors.value.push_back(float(hits.count[i] / exposedRays(row)));
-    return factors;
-  }
   const HitCounts met_by = transposed(hits);
   std::vector<double> share(patches.count(), 0.0);
   for (uint32_t row = 0; row < patches.count(); ++row) {

@@ -15,7 +15,7 @@ namespace lightwell::transport {
 struct FormFactors {
   std::vector<uint64_t> first = {0};  // rows + 1
   std::vector<uint32_t> patch;        // ascending within a row
-  std::vector<float> value;           // F_ij: the share of what leaves patch j that … of patch i's hemisphere that patch j fills; ≥ 0
+  std::vector<float> value;           // F_ij: the cosine-weighted share of patch i's hemisphere that patch j fills, 0 to 1
   uint32_t rows() const { return uint32_t(first.size()) - 1; }
 };
 
@@ -31,10 +31,8 @@ struct HitCounts {
 HitCounts countHits(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, const Patches& patches,
                     uint32_t rays, uint64_t seed, uint32_t begin, uint32_t end);
 
-enum class Reciprocity { enforced, none };
-
-/// Form factors from the hits of all patches (`rays` each). With reciprocity, the exchange A_i F_ij is estimated from both ends' hits together, weighted as their
+/// Form factors from the hits of all patches (`rays` each). The exchange A_i F_ij is estimated from both ends' hits together, weighted as their
 /// variances are, and then balanced so that every row keeps the sum that its own rays found, which has the least noise: 1 in closed rooms.
-FormFactors makeFormFactors(const Patches& patches, const HitCounts& hits, uint32_t rays, Reciprocity reciprocity);
+FormFactors makeFormFactors(const Patches& patches, const HitCounts& hits, uint32_t rays);
 
 }  // namespace lightwell::transport

@@ -43,7 +43,7 @@ struct LinkOptions {
   uint32_t rays = 1024;  // that were traced from each patch
 };
 
-/// Compresses the rows [begin, end). There must be training lights.
+/// Compresses the rows [begin, end) of `factors`, under at least one training light.
 LinkValues makeLinks(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options, uint32_t begin,
                          uint32_t end);
 

@@ -92,14 +92,4 @@ RadiositySolution solveRadiosity(const RadiosityLinks& links, const PatchTree& t
   return solution;
 }
 
-std::vector<Rgb> gatherOnce(const RadiosityLinks& links, const PatchTree& tree, std::span<const Rgb> radiosity_rgb) {
-  std::vector<Rgb> result(links.rows(), Rgb(0.0f));
-  for (int c = 0; c < 3; ++c) {
-    const Channel channel(links, tree, c);
-    const Vector gathered = channel.gather(channel.of(radiosity_rgb));
-    for (uint32_t i = 0; i < links.rows(); ++i) result[i][c] = float(gathered[i]);
-  }
-  return result;
-}
-
 }  // namespace lightwell::transport

@@ -19,7 +19,4 @@ struct RadiositySolution {
 RadiositySolution solveRadiosity(const RadiosityLinks& links, const PatchTree& tree, std::span<const Rgb> albedo_rgb, std::span<const Rgb> direct_rgb,
                                  std::span<const Rgb> emitted_rgb, double tolerance = 1e-7, uint32_t most_sweeps = 1000);
 
-/// One sweep: what every patch receives from given radiosities.
-std::vector<Rgb> gatherOnce(const RadiosityLinks& links, const PatchTree& tree, std::span<const Rgb> radiosity_rgb);
-
 }  // namespace lightwell::transport

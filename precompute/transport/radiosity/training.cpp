@@ -77,6 +77,11 @@ RadiosityTraining trainRadiosity(const Patches& patches, const FormFactors& fact
   for (Eigen::Index light = 0; light < mean.size(); ++light)
     if (mean[light] > 0 && mean[light] >= kSealedPocket * sorted[sorted.size() / 2]) kept.push_back(light);
   RadiosityTraining training;
+  if (kept.empty()) {
+    training.radiosity = Matrix::Ones(patches.count(), 1);
+    training.irradiance = gather(factors, training.radiosity);
+    return training;
+  }
   training.radiosity.resize(patches.count(), Eigen::Index(kept.size()));
   training.irradiance.resize(patches.count(), Eigen::Index(kept.size()));
   for (size_t i = 0; i < kept.size(); ++i) {

@@ -18,7 +18,8 @@ struct RadiosityTraining {
 std::vector<float> patchIrradiance(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
                                    const Patches& patches, const scene::Light& light, uint64_t seed);
 
-/// `direct` has one vector per light. Lights that hardly anything receives light from (in sealed pockets) are left out.
+/// `direct` has one vector per light: irradiance per patch. Lights that hardly anything receives light from (in sealed pockets) are left out; where none is
+/// left, in a black scene, all patches shine alike. Never without a light.
 RadiosityTraining trainRadiosity(const Patches& patches, const FormFactors& factors, std::span<const std::vector<float>> direct);
 
 }  // namespace lightwell::transport

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "runtime/src/container.h"
+#include "runtime/src/gl/list_uploader.h"
 #include "runtime/src/gl/prm_gl.h"
 #include "runtime/src/prm.h"
 
@@ -10,10 +11,10 @@ namespace lightwell::runtime::gl {
 namespace {
 
 /// Makes the textures one by one; the first failure stays in `result`.
-class Uploader {
+class Uploader : ListUploader {
  public:
   Uploader(lw_gl_prm& out, const lw_prm& prm, const lw_gl_prm_options& options)
-      : out_(out), api_(out.context->api), prm_(prm), options_(options) {}
+      : ListUploader(out.context->api, out.host, out.texture_bytes), out_(out), prm_(prm), options_(options) {}
 
   lw_result upload() {
     const format::PrmHeader& h = prm_.header;
@@ -45,20 +46,6 @@ class Uploader {
   }
 
  private:
-  template <class T>
-  bool allocate(Array<T>& array, uint64_t count) {
-    if (result_) return false;
-    if (array.allocate(out_.host, size_t(count))) return true;
-    result_ = out_.host.fail(LW_OUT_OF_MEMORY, "no memory for %llu values", static_cast<unsigned long long>(count));
-    return false;
-  }
-  void list(Name& name, const TexelFormat& format, uint64_t count, const void* data) {
-    if (result_) return;
-    name = createList(api_, format, count, data, out_.texture_bytes);
-    if (!name)
-      result_ = out_.host.fail(LW_LIMIT_EXCEEDED, "%llu elements are more than the context's texture arrays hold",
-                               static_cast<unsigned long long>(count));
-  }
   void target(const TexelFormat& format, uint64_t count, Target& target) {
     if (!result_) result_ = createTarget(api_, out_.host, format, count, target, out_.texture_bytes);
   }
@@ -234,10 +221,8 @@ class Uploader {
   }
 
   lw_gl_prm& out_;
-  const Api& api_;
   const lw_prm& prm_;
   const lw_gl_prm_options& options_;
-  lw_result result_ = LW_OK;
 };
 
 }  // namespace

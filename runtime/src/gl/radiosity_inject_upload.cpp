@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "runtime/src/container.h"
+#include "runtime/src/gl/list_uploader.h"
 #include "runtime/src/gl/radiosity_gl.h"
 #include "runtime/src/radiosity_injector.h"
 
@@ -12,10 +13,11 @@ namespace lightwell::runtime::gl {
 namespace {
 
 /// Makes the textures one by one; the first failure stays in `result`.
-class Uploader {
+class Uploader : ListUploader {
  public:
   /// `from` is the CPU's injector of the same geometry and form factors.
-  Uploader(lw_gl_radiosity_injector& out, lw_radiosity_injector& from) : out_(out), api_(out.target->context->api), from_(from) {}
+  Uploader(lw_gl_radiosity_injector& out, lw_radiosity_injector& from) 
+      : ListUploader(out.target->context->api, out.host, out.texture_bytes), out_(out), from_(from) {}
 
   lw_result upload() {
     if (int32_t(out_.side) > api_.max_texture_size) return out_.host.fail(LW_LIMIT_EXCEEDED, "a view of %u pixels is larger than the context's textures", out_.side);
@@ -35,20 +37,6 @@ class Uploader {
   }
 
  private:
-  template <class T>
-  bool allocate(Array<T>& array, uint64_t count) {
-    if (result_) return false;
-    if (array.allocate(out_.host, size_t(count))) return true;
-    result_ = out_.host.fail(LW_OUT_OF_MEMORY, "no memory for %llu values", static_cast<unsigned long long>(count));
-    return false;
-  }
-  void list(Name& name, const TexelFormat& format, uint64_t count, const void* data) {
-    if (result_) return;
-    name = createList(api_, format, count, data, out_.texture_bytes);
-    if (!name)
-      result_ = out_.host.fail(LW_LIMIT_EXCEEDED, "%llu elements are more than the context's texture arrays hold", static_cast<unsigned long long>(count));
-  }
-
   void uploadTriangles() {
     const uint64_t corners = uint64_t(out_.triangles) * 3;
     Array<float> corner;
@@ -119,9 +107,7 @@ class Uploader {
   }
 
   lw_gl_radiosity_injector& out_;
-  const Api& api_;
   lw_radiosity_injector& from_;
-  lw_result result_ = LW_OK;
 };
 
 }  // namespace

@@ -4,16 +4,17 @@
 #include <cstring>
 
 #include "runtime/src/container.h"
+#include "runtime/src/gl/list_uploader.h"
 #include "runtime/src/gl/radiosity_gl.h"
 
 namespace lightwell::runtime::gl {
 namespace {
 
 /// Makes the textures one by one; the first failure stays in `result`.
-class Uploader {
+class Uploader : ListUploader {
  public:
   Uploader(lw_gl_radiosity& out, const lw_radiosity& radiosity, const lw_gl_radiosity_options& options)
-      : out_(out), api_(out.context->api), r_(radiosity), options_(options) {}
+      : ListUploader(out.context->api, out.host, out.texture_bytes), out_(out), r_(radiosity), options_(options) {}
 
   lw_result upload() {
     out_.patches = r_.patches();
@@ -38,19 +39,6 @@ class Uploader {
   }
 
  private:
-  template <class T>
-  bool allocate(Array<T>& array, uint64_t count) {
-    if (result_) return false;
-    if (array.allocate(out_.host, size_t(count))) return true;
-    result_ = out_.host.fail(LW_OUT_OF_MEMORY, "no memory for %llu values", static_cast<unsigned long long>(count));
-    return false;
-  }
-  void list(Name& name, const TexelFormat& format, uint64_t count, const void* data) {
-    if (result_) return;
-    name = createList(api_, format, count, data, out_.texture_bytes);
-    if (!name)
-      result_ = out_.host.fail(LW_LIMIT_EXCEEDED, "%llu elements are more than the context's texture arrays hold", static_cast<unsigned long long>(count));
-  }
   void target(uint64_t count, Target& target) {
     if (!result_) result_ = createTarget(api_, out_.host, kTexelRgba32f, count, target, out_.texture_bytes);
     if (!result_) clearTarget(api_, target);
@@ -116,10 +104,8 @@ class Uploader {
   }
 
   lw_gl_radiosity& out_;
-  const Api& api_;
   const lw_radiosity& r_;
   const lw_gl_radiosity_options& options_;
-  lw_result result_ = LW_OK;
 };
 
 /// By patch, into a target; rows are padded.
