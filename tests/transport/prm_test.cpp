@@ -3,7 +3,6 @@
 
 #include <numeric>
 
-#include "precompute/atlas/validity.h"
 #include "precompute/core/parallel.h"
 #include "precompute/transport/compare.h"
 #include "precompute/transport/prm/bake_prm.h"
@@ -11,23 +10,13 @@
 #include "precompute/transport/prm/evaluate.h"
 #include "precompute/transport/prm/panes.h"
 #include "precompute/transport/reference/reference.h"
+#include "tests/support/prepared_scene.h"
 #include "tests/support/scenes.h"
 
 namespace lightwell::transport {
 namespace {
 
-/// A scene with everything that a bake derives from it.
-struct Prepared {
-  scene::Scene scene;
-  atlas::Atlas atlas;
-  std::unique_ptr<trace::Tracer> tracer;
-  explicit Prepared(scene::Scene s, int size = 48) : scene(std::move(s)) {
-    Diagnostics diagnostics;
-    atlas = atlas::buildAtlas(scene, {.size = size}, diagnostics);
-    tracer = std::make_unique<trace::Tracer>(scene, 1);
-    atlas::fillInvalid(atlas, scene, *tracer, 1, 1, nullptr);
-  }
-};
+using Prepared = test::PreparedScene;
 
 PrmSettings smallSettings(PrmLayoutKind layout) {
   PrmSettings settings;

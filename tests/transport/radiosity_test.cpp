@@ -1,30 +1,19 @@
 // Radiosity: patches, form factors, compressed links and their solution, against closed forms and path tracing.
 #include <gtest/gtest.h>
 
-#include "precompute/atlas/validity.h"
 #include "precompute/core/parallel.h"
 #include "precompute/transport/exposure.h"
 #include "precompute/transport/pooled_error.h"
 #include "precompute/transport/radiosity/bake_radiosity.h"
 #include "precompute/transport/radiosity/solve.h"
 #include "precompute/transport/reference/reference.h"
+#include "tests/support/prepared_scene.h"
 #include "tests/support/scenes.h"
 
 namespace lightwell::transport {
 namespace {
 
-/// A scene with everything that a bake derives from it.
-struct Prepared {
-  scene::Scene scene;
-  atlas::Atlas atlas;
-  std::unique_ptr<trace::Tracer> tracer;
-  explicit Prepared(scene::Scene s, int size = 48) : scene(std::move(s)) {
-    Diagnostics diagnostics;
-    atlas = atlas::buildAtlas(scene, {.size = size}, diagnostics);
-    tracer = std::make_unique<trace::Tracer>(scene, 1);
-    atlas::fillInvalid(atlas, scene, *tracer, 1, 1, nullptr);
-  }
-};
+using Prepared = test::PreparedScene;
 
 RadiositySettings smallSettings() {
   RadiositySettings settings;
