@@ -403,7 +403,8 @@ typedef struct lw_radiosity_material {
 
 /* LW_NOT_FOUND for an index beyond the last, LW_INVALID_ARGUMENT for values out of range. */
 LW_API lw_result lw_radiosity_set_material(lw_radiosity_state *state, uint32_t index, const lw_radiosity_material *material);
-/* open: 0 to 1. A portal opens its strips one after the other, the last one partly. */
+/* open: 0 to 1. A portal opens its strips one after the other, the last one partly. LW_NOT_FOUND for an index beyond the last, LW_INVALID_ARGUMENT for an
+ * open out of range. */
 LW_API lw_result lw_radiosity_set_portal(lw_radiosity_state *state, uint32_t index, float open);
 LW_API lw_result lw_radiosity_set_gate(lw_radiosity_state *state, uint32_t gate, float open);
 /* irradiance_rgb: [patches][3], of lights, shadowed, mean over what of the patch is in the open; 0 to LW_RADIOSITY_MOST. */
