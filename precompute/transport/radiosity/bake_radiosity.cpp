@@ -93,6 +93,9 @@ RadiosityBaker::~RadiosityBaker() = default;
 
 uint32_t RadiosityBaker::patchCount() const { return impl_->patches.count(); }
 uint32_t RadiosityBaker::trainingLightCount() const { return uint32_t(impl_->lights.size()); }
+const Sides& RadiosityBaker::sides() const { return impl_->sides; }
+const Patches& RadiosityBaker::patches() const { return impl_->patches; }
+const PatchTree& RadiosityBaker::tree() const { return impl_->tree; }
 
 Bytes RadiosityBaker::hits(uint32_t first, uint32_t end) const {
   const HitCounts counts =
@@ -142,17 +145,22 @@ Bytes RadiosityBaker::train(std::span<const ByteView> hits, std::span<const Byte
   return writer.take();
 }
 
-Bytes RadiosityBaker::links(uint32_t first, uint32_t end, ByteView trained) const {
+TrainedFactors RadiosityBaker::readTrained(ByteView trained) const {
   ByteReader reader(trained);
-  FormFactors factors;
+  TrainedFactors result;
+  FormFactors& factors = result.factors;
   factors.first = reader.array<uint64_t>();
   factors.patch = reader.array<uint32_t>();
   factors.value = reader.array<float>();
   requireRows(factors.first, factors.patch.size());
   require(factors.rows() == patchCount() && factors.value.size() == factors.patch.size());
-  RadiosityTraining training;
-  training.radiosity = readMatrix(reader, patchCount());
-  training.irradiance = readMatrix(reader, patchCount());
+  result.training.radiosity = readMatrix(reader, patchCount());
+  result.training.irradiance = readMatrix(reader, patchCount());
+  return result;
+}
+
+Bytes RadiosityBaker::links(uint32_t first, uint32_t end, ByteView trained) const {
+  const auto [factors, training] = readTrained(trained);
   LinkOptions options = impl_->settings.links;
   options.rays = impl_->settings.rays;
   const LinkValues links = makeLinks(factors, impl_->tree, training, options, first, end);

@@ -25,6 +25,12 @@ struct RadiositySettings {
 Bytes makePatchBytes(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiositySettings& settings, int threads,
                      const CancelFlag* cancel);
 
+/// What is known before rows are compressed.
+struct TrainedFactors {
+  FormFactors factors;
+  RadiosityTraining training;
+};
+
 class RadiosityBaker {
  public:
   /// `scene`, `atlas` and `tracer` must outlive the baker. `patches` is makePatchBytes of the same arguments; throws std::runtime_error when it cannot be.
@@ -33,6 +39,9 @@ class RadiosityBaker {
 
   uint32_t patchCount() const;
   uint32_t trainingLightCount() const;
+  const Sides& sides() const;
+  const Patches& patches() const;
+  const PatchTree& tree() const;
 
   /// What the rays of patches [first, end) meet.
   Bytes hits(uint32_t first, uint32_t end) const;
@@ -40,6 +49,8 @@ class RadiosityBaker {
   Bytes direct(uint32_t first, uint32_t end) const;
   /// Form factors, and radiosities under the training lights. Inputs in range order.
   Bytes train(std::span<const ByteView> hits, std::span<const ByteView> direct) const;
+  /// The result of train.
+  TrainedFactors readTrained(ByteView trained) const;
   /// The compressed rows of patches [first, end).
   Bytes links(uint32_t first, uint32_t end, ByteView trained) const;
   /// Joins, balances and rounds the links (in range order). This and the stages before throw std::runtime_error for inputs that no stage wrote.

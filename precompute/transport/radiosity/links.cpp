@@ -35,38 +35,11 @@ constexpr float kSameSurroundings = 0.3f;
 constexpr int kBalanceSweeps = 16;
 constexpr double kMostGain = 2;  // of a sweep
 
-/// Per node whether its patches see the same surroundings. Nodes that do not, because they lie on both sides of a wall, merge for nobody: light that no training
-/// light showed could leak through them.
-std::vector<char> seeTheSame(const FormFactors& factors, const PatchTree& tree) {
-  const uint32_t level = std::min(2u, tree.levelCount() - 1), first_bin = tree.level_first[level];
-  std::vector<uint32_t> bin_of_patch(factors.rows());
-  for (uint32_t node = first_bin; node < tree.level_first[level + 1]; ++node)
-    std::fill(bin_of_patch.begin() + tree.first_patch[node], bin_of_patch.begin() + tree.end_patch[node], node - first_bin);
-  // What every node sees, by larger nodes.
-  RadiosityTraining::Matrix seen = RadiosityTraining::Matrix::Zero(tree.nodeCount(), Eigen::Index(tree.level_first[level + 1] - first_bin));
-  for (uint32_t row = 0; row < factors.rows(); ++row)
-    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i) seen(row, bin_of_patch[factors.patch[i]]) += factors.value[i];
-  std::vector<char> same(tree.nodeCount(), 1);
-  for (uint32_t node = tree.level_first[1]; node < tree.nodeCount(); ++node) {
-    const uint32_t index = node - tree.level_first[1], begin = tree.first_child[index], end = tree.first_child[index + 1];
-    for (uint32_t child = begin; child < end; ++child) seen.row(node) += seen.row(child) * tree.area[child];
-    for (uint32_t child = begin; child < end && same[node]; ++child) {
-      if (!same[child]) same[node] = 0;
-      if (end - begin < 2) continue;
-      const Vector own = seen.row(child), others = (seen.row(node) - own * tree.area[child]) / std::max(tree.area[node] - tree.area[child], 1e-30f);
-      const float less = std::min(own.sum(), others.sum());
-      if (own.cwiseMin(others).sum() < kSameSurroundings * less) same[node] = 0;
-    }
-    seen.row(node) /= tree.area[node];
-  }
-  return same;
-}
-
 /// Compresses single rows.
 class RowMerger {
  public:
   RowMerger(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options)
-      : factors_(factors), tree_(tree), training_(training), node_radiosity_(nodeRadiosity(tree, training.radiosity)), mergeable_(seeTheSame(factors, tree)),
+      : factors_(factors), tree_(tree), training_(training), node_radiosity_(nodeRadiosity(tree, training.radiosity)), mergeable_(nodesThatSeeTheSame(factors, tree)),
         options_(options), most_(options.link_error) {}
 
   std::vector<Link> links(uint32_t row) {
@@ -210,6 +183,31 @@ class RowMerger {
 };
 
 }  // namespace
+
+std::vector<char> nodesThatSeeTheSame(const FormFactors& factors, const PatchTree& tree) {
+  const uint32_t level = std::min(2u, tree.levelCount() - 1), first_bin = tree.level_first[level];
+  std::vector<uint32_t> bin_of_patch(factors.rows());
+  for (uint32_t node = first_bin; node < tree.level_first[level + 1]; ++node)
+    std::fill(bin_of_patch.begin() + tree.first_patch[node], bin_of_patch.begin() + tree.end_patch[node], node - first_bin);
+  // What every node sees, by larger nodes.
+  RadiosityTraining::Matrix seen = RadiosityTraining::Matrix::Zero(tree.nodeCount(), Eigen::Index(tree.level_first[level + 1] - first_bin));
+  for (uint32_t row = 0; row < factors.rows(); ++row)
+    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i) seen(row, bin_of_patch[factors.patch[i]]) += factors.value[i];
+  std::vector<char> same(tree.nodeCount(), 1);
+  for (uint32_t node = tree.level_first[1]; node < tree.nodeCount(); ++node) {
+    const uint32_t index = node - tree.level_first[1], begin = tree.first_child[index], end = tree.first_child[index + 1];
+    for (uint32_t child = begin; child < end; ++child) seen.row(node) += seen.row(child) * tree.area[child];
+    for (uint32_t child = begin; child < end && same[node]; ++child) {
+      if (!same[child]) same[node] = 0;
+      if (end - begin < 2) continue;
+      const Vector own = seen.row(child), others = (seen.row(node) - own * tree.area[child]) / std::max(tree.area[node] - tree.area[child], 1e-30f);
+      const float less = std::min(own.sum(), others.sum());
+      if (own.cwiseMin(others).sum() < kSameSurroundings * less) same[node] = 0;
+    }
+    seen.row(node) /= tree.area[node];
+  }
+  return same;
+}
 
 void LinkValues::append(const LinkValues& other) {
   const uint32_t base = uint32_t(node.size());

@@ -43,6 +43,10 @@ struct LinkOptions {
   uint32_t rays = 1024;  // that were traced from each patch
 };
 
+/// Per node whether its patches see the same surroundings. Nodes that do not, because they lie on both sides of a wall, merge for nobody: light that no training
+/// light showed could leak through them.
+std::vector<char> nodesThatSeeTheSame(const FormFactors& factors, const PatchTree& tree);
+
 /// Compresses the rows [begin, end) of `factors`, under at least one training light.
 LinkValues makeLinks(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options, uint32_t begin,
                          uint32_t end);
