@@ -16,6 +16,7 @@
 #include "precompute/scene/gltf/skin.h"
 #include "precompute/scene/mesh_builder.h"
 #include "precompute/scene/normalization.h"
+#include "precompute/scene/portals.h"
 
 namespace lightwell::scene {
 namespace {
@@ -28,7 +29,7 @@ class Importer {
         material_importer_(document_, scene.textures, diagnostics) {}
 
   void run(const ImportOptions& options) {
-    gltf::Placements placements = gltf::placeNodes(document_, diagnostics_);
+    gltf::Placements placements = gltf::placeNodes(document_, options.portals, diagnostics_);
     for (gltf::Placement& placement : placements.meshes) {
       readMesh(placements, placement);
       if (document_.element("nodes", placement.node).find("skin")) placement.world = gltf::Matrix();  // its joints place it
@@ -38,7 +39,7 @@ class Importer {
     const Frame frame = chooseFrame(placements.meshes);
     scene_.origin_m = frame.origin_m;
     scene_.metres_per_unit = frame.metres_per_unit;
-    buildMesh(placements.meshes, frame);
+    buildMesh(placements, frame);
     if (scene_.mesh.triangles.empty()) diagnostics_.warn("scenes", "the scene has no surfaces");
     reportHighAlbedo(scene_, diagnostics_);
     for (const gltf::PlacedLight& placed : gltf::readLights(document_, placements.lights, options.light_units, diagnostics_))
@@ -146,14 +147,21 @@ class Importer {
       }
   }
 
-  void buildMesh(const std::vector<gltf::Placement>& placements, const Frame& frame) {
+  void buildMesh(const gltf::Placements& placements, const Frame& frame) {
     MeshBuilder builder(scene_, frame);
-    for (const gltf::Placement& placement : placements)
+    std::vector<uint32_t> portal_first(placements.portals.size(), 0), portal_end(placements.portals.size(), 0);
+    for (const gltf::Placement& placement : placements.meshes) {
+      const auto before = uint32_t(scene_.mesh.triangles.size());
       for (const gltf::Primitive& primitive : primitives(placement))
         builder.add(primitive, placement.world, materials_.at(primitive.material).scene_index,
                     placement.path + "/" + primitive.path + placement.instance, placement.name);
+      if (placement.portal == gltf::Placement::kNoPortal) continue;
+      if (portal_end[placement.portal] == 0) portal_first[placement.portal] = before;
+      portal_end[placement.portal] = uint32_t(scene_.mesh.triangles.size());
+    }
     for (const Vec3& p : scene_.mesh.positions) scene_.bounds.extendBy(p);
     builder.report(diagnostics_);
+    addPortals(scene_, placements.portals, portal_first, portal_end, diagnostics_);
   }
 
   gltf::Document document_;

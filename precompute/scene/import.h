@@ -2,6 +2,8 @@
 #pragma once
 #include <filesystem>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "precompute/core/diagnostics.h"
 #include "precompute/scene/file_table.h"
@@ -14,9 +16,10 @@ enum class LightUnits { spec, unitless, raw };
 struct ImportOptions {
   LightUnits light_units = LightUnits::spec;
   const FileTable* files = nullptr;  // null: the file system
+  std::vector<std::string> portals;  // names of nodes that are portals besides those that the file marks; a * at the end stands for any rest
 };
 
-/// Reads a scene. Repairs go to `diagnostics`; throws InputError naming the glTF path otherwise. Never reads outside the file's folder.
+/// Reads a scene. Repairs go to `diagnostics`; throws InputError naming the glTF path otherwise, UsageError for a name in `options.portals` that no node has. Never reads outside the file's folder.
 Scene importGltf(const std::filesystem::path& file, const ImportOptions& options, Diagnostics& diagnostics);
 
 /// Replaces the scene's punctual lights with those of a LIGHTS.json (docs: the outside contract). Throws InputError.

@@ -49,6 +49,9 @@ std::vector<std::string> JsonValue::keys() const {
   return result;
 }
 
+bool JsonValue::isObject() const { return value_->is_object(); }
+bool JsonValue::isBoolean() const { return value_->is_boolean(); }
+
 size_t JsonValue::size() const {
   if (!value_->is_array()) fail("is not an array");
   return value_->size();

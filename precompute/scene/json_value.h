@@ -33,6 +33,9 @@ class JsonValue {
   std::optional<JsonValue> extension(std::string_view name) const;
   std::vector<std::string> keys() const;
 
+  bool isObject() const;
+  bool isBoolean() const;
+
   size_t size() const;  // of an array
   JsonValue operator[](size_t i) const;
 

@@ -71,6 +71,24 @@ struct Light {
   float range = 0;            // internal units; 0: infinite
 };
 
+/// A door leaf or a shutter: surfaces that a game opens and closes, in the scene as they stand when it is shut. It opens by sliding into the wall, so to speak:
+/// open by τ, what is left of it is where s ≥ τ. It is cut into strips of equal width in s, so that partly open lets some of them through.
+struct Portal {
+  std::string name, gltf_path;  // of its node
+  uint32_t first_triangle = 0, triangle_count = 0;
+  Vec3 axis{0, 0, 0};           // s(p) = axis · p + offset, p in internal units: 0 where it opens first, 1 where it opens last
+  float offset = 0;
+  uint32_t strips = 8;          // 1 to kMostPortalStrips
+
+  float place(const Vec3& p) const { return axis.dot(p) + offset; }
+  uint32_t strip(const Vec3& p) const {
+    const float at = place(p) * float(strips);
+    return at > 0 ? at < float(strips) ? uint32_t(at) : strips - 1 : 0;
+  }
+  bool holds(uint32_t triangle) const { return triangle - first_triangle < triangle_count; }
+};
+inline constexpr uint32_t kMostPortalStrips = 256;
+
 struct Scene {
   std::string file;
   Vec3d origin_m{0, 0, 0};
@@ -81,6 +99,7 @@ struct Scene {
   std::vector<Material> materials;  // at least one when there are triangles
   std::vector<Texture> textures;
   std::vector<Light> lights;
+  std::vector<Portal> portals;  // in the order of their triangles, which they do not share
 };
 
 /// Irradiance that `light` gives, unoccluded, at `position` (internal units) with unit normal `normal`; zero from behind.

@@ -95,11 +95,13 @@ std::vector<Matrix> readInstances(Document& document, const JsonValue& extension
 struct Visit {
   size_t node;
   Matrix parent;
+  size_t portal;  // that the parent belongs to
 };
 
-void placeNode(Document& document, const JsonValue& node, size_t index, const Matrix& world, Placements& placements,
+void placeNode(Document& document, const JsonValue& node, size_t index, const Matrix& world, size_t portal, Placements& placements,
                Diagnostics& diagnostics) {
   Placement placement{index, 0, node.path(), "", node.stringOr("name", ""), world};
+  placement.portal = portal;
   if (const auto light = node.extension("KHR_lights_punctual")) {
     const auto lights = document.root().extension("KHR_lights_punctual");
     placement.target = light->at("light").index(lights ? lights->at("lights").size() : 0, "lights");
@@ -111,6 +113,7 @@ void placeNode(Document& document, const JsonValue& node, size_t index, const Ma
   placement.posed = node.find("skin") || node.find("weights");
   const auto instancing = node.extension("EXT_mesh_gpu_instancing");
   std::vector<Matrix> instances(1);
+  if (instancing && portal != Placement::kNoPortal) node.fail("is part of a portal and cannot have instances");
   if (instancing) instances = readInstances(document, *instancing, diagnostics);
   if (placements.meshes.size() + instances.size() > kMaxInstances)
     node.fail("the scene has more instances than the limit of " + std::to_string(kMaxInstances));
@@ -137,18 +140,19 @@ Matrix localTransform(const JsonValue& node, Diagnostics& diagnostics) {
   return compose(node.numbersOr<3>("translation", {0, 0, 0}), rotation, node.numbersOr<3>("scale", {1, 1, 1}));
 }
 
-Placements placeNodes(Document& document, Diagnostics& diagnostics) {
+Placements placeNodes(Document& document, std::span<const std::string> portals, Diagnostics& diagnostics) {
   const size_t node_count = document.count("nodes");
   Placements placements;
   placements.node_world.resize(node_count);
   std::vector<bool> visited(node_count, false);
   std::vector<Visit> stack;
-  const auto push = [&](size_t node, const Matrix& parent, const JsonValue& reference) {
+  PortalMarks marks(portals);
+  const auto push = [&](size_t node, const Matrix& parent, size_t portal, const JsonValue& reference) {
     if (visited[node]) reference.fail("nodes[" + std::to_string(node) + "] is reached twice: a cycle, or a node with two parents");
     visited[node] = true;
-    stack.push_back({node, parent});
+    stack.push_back({node, parent, portal});
   };
-  for (const size_t root : rootNodes(document, diagnostics)) push(root, Matrix(), document.element("nodes", root));
+  for (const size_t root : rootNodes(document, diagnostics)) push(root, Matrix(), Placement::kNoPortal, document.element("nodes", root));
   std::reverse(stack.begin(), stack.end());
   while (!stack.empty()) {
     const Visit visit = stack.back();
@@ -156,11 +160,23 @@ Placements placeNodes(Document& document, Diagnostics& diagnostics) {
     const JsonValue node = document.element("nodes", visit.node);
     const Matrix world = localTransform(node, diagnostics) * visit.parent;
     placements.node_world[visit.node] = world;
-    placeNode(document, node, visit.node, world, placements, diagnostics);
+    size_t portal = visit.portal;
+    if (auto mark = marks.of(node, world, diagnostics)) {
+      if (portal == Placement::kNoPortal) {
+        portal = placements.portals.size();
+        placements.portals.push_back(std::move(*mark));
+      } else if (node.find("extras")) {
+        diagnostics.warn(node.path(), "is part of the portal " + placements.portals[portal].path + " and no portal of its own");
+      }
+    }
+    placeNode(document, node, visit.node, world, portal, placements, diagnostics);
     if (const auto children = node.find("children"))
       for (size_t i = children->size(); i-- > 0;)  // the first child ends on top of the stack
-        push((*children)[i].index(node_count, "nodes"), world, (*children)[i]);
+        push((*children)[i].index(node_count, "nodes"), world, portal, (*children)[i]);
   }
+  std::vector<std::string> candidates;
+  for (const Placement& placement : placements.meshes) candidates.push_back(placement.name);
+  marks.requireAllFound(document.file(), candidates);
   return placements;
 }
 

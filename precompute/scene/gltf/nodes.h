@@ -1,18 +1,15 @@
 // The node hierarchy flattened: which mesh and which light stands where.
 #pragma once
-#include <ImathMatrix.h>
-
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "precompute/core/diagnostics.h"
 #include "precompute/scene/gltf/document.h"
+#include "precompute/scene/gltf/portal_marks.h"
 
 namespace lightwell::scene::gltf {
-
-/// Row vectors as Imath has them: world = local * matrix. In memory that is glTF's column-major matrix.
-using Matrix = Imath::M44d;
 
 /// A mesh or a light in the world. A mesh under EXT_mesh_gpu_instancing has one placement per instance.
 struct Placement {
@@ -23,16 +20,19 @@ struct Placement {
   std::string name;       // of the node
   Matrix world;
   bool posed = false;     // the node itself shapes its mesh: by a skin or its own morph target weights
+  size_t portal = kNoPortal;  // index into Placements::portals: of the node or the one above it that is one
+  static constexpr size_t kNoPortal = ~size_t(0);
 };
 
 struct Placements {
   std::vector<Placement> meshes, lights;
   std::vector<std::optional<Matrix>> node_world;  // of every node; nothing for nodes outside the scene
+  std::vector<PortalMark> portals;                // a portal's meshes are consecutive
 };
 
 /// Walks the default scene (the first one when none is named; every root node, with a warning, when there is no scene at all). A node
-/// reached twice (a cycle, or two parents), a matrix that is not affine and too many instances are InputErrors.
-Placements placeNodes(Document& document, Diagnostics& diagnostics);
+/// reached twice (a cycle, or two parents), a matrix that is not affine and too many instances are InputErrors. `portals`: ImportOptions::portals.
+Placements placeNodes(Document& document, std::span<const std::string> portals, Diagnostics& diagnostics);
 
 /// The node's own transform: its matrix, or translation * rotation * scale.
 Matrix localTransform(const JsonValue& node, Diagnostics& diagnostics);
