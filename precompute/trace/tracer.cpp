@@ -14,10 +14,23 @@
 namespace lightwell::trace {
 namespace {
 
-/// Triangles whose alpha must be looked up at each hit. Their Embree primitive i is the scene's triangle `triangle[i]`.
+/// Triangles that must be looked at for each hit: for their alpha, or because a part of them is open. Their Embree primitive i is the scene's triangle `triangle[i]`.
 struct CutOuts {
   const scene::Scene* scene;
   std::vector<uint32_t> triangle;
+  std::vector<float> portal_open;  // per portal; empty: all shut
+
+  /// Whether an open portal has left nothing there.
+  bool isOpen(uint32_t of, float u, float v) const {
+    for (size_t i = 0; i < portal_open.size(); ++i) {
+      const scene::Portal& portal = scene->portals[i];
+      if (!portal.holds(of)) continue;
+      const auto& corner = scene->mesh.triangles[of];
+      const auto& p = scene->mesh.positions;
+      return portal.place(p[corner[0]] * (1 - u - v) + p[corner[1]] * u + p[corner[2]] * v) < portal_open[i];
+    }
+    return false;
+  }
 };
 
 /// What an occlusion ray gathers on its way: Embree hands the context to the filter functions.
@@ -39,7 +52,12 @@ void passOrStop(const RTCFilterFunctionNArguments* args) {
   for (unsigned i = 0; i < args->N; ++i) {
     if (!args->valid[i]) continue;
     const uint32_t triangle = cut_outs.triangle[RTCHitN_primID(args->hit, args->N, i)];
-    const float alpha = scene::surfaceAlpha(*cut_outs.scene, triangle, RTCHitN_u(args->hit, args->N, i), RTCHitN_v(args->hit, args->N, i));
+    const float u = RTCHitN_u(args->hit, args->N, i), v = RTCHitN_v(args->hit, args->N, i);
+    if (cut_outs.isOpen(triangle, u, v)) {
+      args->valid[i] = 0;
+      continue;
+    }
+    const float alpha = scene::surfaceAlpha(*cut_outs.scene, triangle, u, v);
     if (alpha >= 1.0f) continue;
     const uint32_t key = RTCRayN_id(args->ray, args->N, i);
     if (float(mixBits(combineKeys(key, triangle)) >> 8) * 0x1p-24f >= alpha) args->valid[i] = 0;
@@ -53,7 +71,8 @@ void attenuate(const RTCFilterFunctionNArguments* args) {
   for (unsigned i = 0; i < args->N; ++i) {
     if (!args->valid[i]) continue;
     const uint32_t triangle = cut_outs.triangle[RTCHitN_primID(args->hit, args->N, i)];
-    const float alpha = scene::surfaceAlpha(*cut_outs.scene, triangle, RTCHitN_u(args->hit, args->N, i), RTCHitN_v(args->hit, args->N, i));
+    const float u = RTCHitN_u(args->hit, args->N, i), v = RTCHitN_v(args->hit, args->N, i);
+    const float alpha = cut_outs.isOpen(triangle, u, v) ? 0.0f : scene::surfaceAlpha(*cut_outs.scene, triangle, u, v);
     context.transmittance *= std::clamp(1.0f - alpha, 0.0f, 1.0f);
     if (context.transmittance > 0.0f) args->valid[i] = 0;
   }
@@ -119,12 +138,19 @@ unsigned Tracer::Impl::attach(const std::vector<uint32_t>& triangles, const CutO
   return id;
 }
 
-Tracer::Tracer(const scene::Scene& scene, int threads) : impl_(std::make_unique<Impl>(scene)) {
+Tracer::Tracer(const scene::Scene& scene, int threads, std::vector<float> portal_open) : impl_(std::make_unique<Impl>(scene)) {
+  if (!portal_open.empty() && portal_open.size() != scene.portals.size()) throw std::logic_error("Tracer: one value for each portal is needed");
   Impl& impl = *impl_;
   impl.cut_outs.scene = &scene;
+  impl.cut_outs.portal_open = std::move(portal_open);
   const scene::Mesh& mesh = scene.mesh;
-  for (uint32_t i = 0; i < mesh.triangles.size(); ++i)
-    (needsAlpha(scene, scene.materials[mesh.triangle_material[i]]) ? impl.cut_outs.triangle : impl.opaque).push_back(i);
+  for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    float open = 0;
+    for (size_t p = 0; p < impl.cut_outs.portal_open.size(); ++p)
+      if (scene.portals[p].holds(i)) open = impl.cut_outs.portal_open[p];
+    if (open >= 1) continue;
+    (open > 0 || needsAlpha(scene, scene.materials[mesh.triangle_material[i]]) ? impl.cut_outs.triangle : impl.opaque).push_back(i);
+  }
 
   impl.device = rtcNewDevice(threads > 0 ? ("threads=" + std::to_string(threads)).c_str() : nullptr);
   if (!impl.device) throw std::runtime_error("Embree could not start: error " + std::to_string(int(rtcGetDeviceError(nullptr))));

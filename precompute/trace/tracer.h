@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "precompute/scene/scene.h"
 
@@ -31,7 +32,8 @@ class Tracer {
  public:
   /// Builds the acceleration structure. `scene` must outlive the tracer and not change. MASK surfaces are cut out exactly,
   /// BLEND surfaces pass a ray with probability 1 − alpha (closest, keyed by Ray::key) or attenuate it (occlusion).
-  explicit Tracer(const scene::Scene& scene, int threads = 0);
+  /// `portal_open`: how far each of scene.portals is open, 0 to 1; rays meet what is left of their leaves, exactly. Empty: all are shut.
+  explicit Tracer(const scene::Scene& scene, int threads = 0, std::vector<float> portal_open = {});
   ~Tracer();
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;

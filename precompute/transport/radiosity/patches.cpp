@@ -1,6 +1,7 @@
 #include "precompute/transport/radiosity/patches.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -17,9 +18,9 @@ constexpr uint64_t kNearStream = 6ull << 40;
 
 /// What the sides of one patch have in common.
 struct PatchKey {
-  uint32_t chart, row, column, material;
+  uint32_t chart, row, column, material, zone;
   bool back;
-  auto tied() const { return std::tie(back, chart, material, row, column); }
+  auto tied() const { return std::tie(back, chart, material, row, column, zone); }
   bool operator<(const PatchKey& other) const { return tied() < other.tied(); }
   bool operator==(const PatchKey& other) const { return tied() == other.tied(); }
 };
@@ -58,9 +59,14 @@ class Squares {
       : scene_(scene), atlas_(atlas), tracer_(tracer), sides_(sides), options_(options) {
     material_.reserve(atlas.slots.size());
     for (const auto& slot : atlas.slots) material_.push_back(materialOf(scene.mesh, atlas, slot));
+    const auto zones = PortalZones(scene).ofSides(atlas, sides, options.coarsest);
+    std::map<PortalZone, uint32_t> zone_number;
+    for (const PortalZone& zone : zones) zone_.push_back(zone_number.try_emplace(zone, uint32_t(zone_number.size())).first->second);
     std::vector<uint32_t> used;
-    for (uint32_t side = 0; side < sides.slot.size(); ++side)
-      if (atlas.slots[sides.slot[side]].area > 0 && exposed[side] > 0) used.push_back(side);
+    for (uint32_t side = 0; side < sides.slot.size(); ++side) {
+      const bool divided = !zones.empty() && zones[side].kind == PortalZone::divided;
+      if (atlas.slots[sides.slot[side]].area > 0 && exposed[side] > 0 && !divided) used.push_back(side);
+    }
     std::vector<Square> open = cut(used, options.coarsest);
     while (!open.empty()) {
       std::vector<float> near(open.size(), 0.0f);
@@ -94,7 +100,7 @@ class Squares {
     for (const uint32_t side : sides) {
       const atlas::Slot& slot = atlas_.slots[sides_.slot[side]];
       const uint32_t x = slot.texel % uint32_t(atlas_.width), y = slot.texel / uint32_t(atlas_.width);
-      keyed.push_back({{slot.chart, y / texels, x / texels, material_[sides_.slot[side]], sides_.isBack(side)}, side});
+      keyed.push_back({{slot.chart, y / texels, x / texels, material_[sides_.slot[side]], zone_.empty() ? 0 : zone_[side], sides_.isBack(side)}, side});
     }
     std::stable_sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<Square> squares;
@@ -128,6 +134,7 @@ class Squares {
   const Sides& sides_;
   const PatchOptions& options_;
   std::vector<uint32_t> material_;  // per slot
+  std::vector<uint32_t> zone_;      // per side; empty without portals
   std::vector<Square> list_;
 };
 
@@ -246,6 +253,12 @@ void colorPatches(const atlas::Atlas& atlas, const Sides& sides, std::span<const
     patches.albedo_rgb.push_back(Rgb(albedo / total));
     patches.emitted_radiance_rgb.push_back(Rgb(emitted / total));
   }
+}
+
+void zonePatches(const scene::Scene& scene, const atlas::Atlas& atlas, const Sides& sides, const PatchOptions& options, Patches& patches) {
+  const auto zones = PortalZones(scene).ofSides(atlas, sides, options.coarsest);
+  patches.zone.clear();
+  for (uint32_t patch = 0; !zones.empty() && patch < patches.count(); ++patch) patches.zone.push_back(zones[patches.sidesOf(patch)[0]]);
 }
 
 PatchTree makePatchTree(const Patches& patches) {

@@ -9,6 +9,7 @@
 
 #include "precompute/core/diagnostics.h"
 #include "precompute/trace/tracer.h"
+#include "precompute/transport/radiosity/portal_zones.h"
 #include "precompute/transport/sides.h"
 
 namespace lightwell::transport {
@@ -22,6 +23,7 @@ struct Patches {
   std::vector<Vec3> position, normal;      // area-weighted means; normals unit
   std::vector<uint32_t> material;          // the one that covers most of it
   std::vector<Rgb> albedo_rgb, emitted_radiance_rgb;  // area-weighted; set by colorPatches
+  std::vector<PortalZone> zone;            // set by zonePatches; empty in scenes without portals
 
   uint32_t count() const { return uint32_t(area.size()); }
   std::span<const uint32_t> sidesOf(uint32_t patch) const {
@@ -46,6 +48,8 @@ Patches makePatches(const scene::Scene& scene, const atlas::Atlas& atlas, const 
 
 /// Sets the colours, which makePatches leaves empty: shapes do not depend on them.
 void colorPatches(const atlas::Atlas& atlas, const Sides& sides, std::span<const float> exposed, Patches& patches);
+/// Sets the zones, as makePatches has found them with the same `options`.
+void zonePatches(const scene::Scene& scene, const atlas::Atlas& atlas, const Sides& sides, const PatchOptions& options, Patches& patches);
 
 /// Nodes over patches, level by level: nodes [0, patches) are the patches, then come nodes of about eight of them each, then nodes of those. The children of
 /// a node are consecutive, and so are all patches below it.
