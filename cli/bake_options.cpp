@@ -1,6 +1,9 @@
 #include "cli/bake_options.h"
 
+#include <charconv>
+
 #include "cli/command.h"
+#include "precompute/plan/probe_points.h"
 
 namespace lightwell::cli {
 
@@ -8,7 +11,7 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
   command.add_option("scene", options.request.source.scene, "glTF 2.0 scene, .glb or .gltf; may be left out when only a sky is baked")
       ->type_name("SCENE");
   command
-      .add_option("--techniques", options.techniques, "What to bake: auto (what the scene can use), or a comma-separated list; now: prm, environment")
+      .add_option("--techniques", options.techniques, "What to bake: auto (what the scene can use), or a comma-separated list; now: prm, radiosity, environment")
       ->type_name("LIST")
       ->capture_default_str();
   addSceneSettings(command, options.request.settings);
@@ -51,6 +54,13 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
                   "things are near each other and large elsewhere")
       ->type_name("D")
       ->check(CLI::Range(plan::kLeastRadiosityDensity, 1.0f));
+  command
+      .add_option("--probe-spacing", options.probe_spacing,
+                  "With radiosity: a lattice of probes for moving objects, METRES apart; auto: by the scene's size (up to 2,000 at production, 1,000, 500); 0: none")
+      ->type_name("METRES|auto")
+      ->capture_default_str();
+  command.add_option("--probes", options.probes, "With radiosity: more probes, at the points of {\"probes\": [[x, y, z], ...]}, metres in the scene's own coordinates")
+      ->type_name("PROBES.json");
   addEnvironment(command, options.request.source.environment, options.request.settings.environment);
   command
       .add_option("--environment-samples", options.request.settings.environment_samples,
@@ -67,12 +77,30 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
   addThreads(command, options.request.threads);
 }
 
+namespace {
+
+float probeSpacing(const std::string& text) {
+  if (text == "auto") return plan::kAutomaticProbeSpacing;
+  float spacing = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), spacing);
+  if (error != std::errc() || end != text.data() + text.size() || !(spacing >= 0 && spacing <= plan::kMostProbeSpacing_m))
+    throw UsageError("--probe-spacing: \"" + text + "\" is neither auto nor a number of metres from 0 to 1e6");
+  return spacing;
+}
+
+}  // namespace
+
 void resolve(BakeOptions& options) {
   plan::Settings& settings = options.request.settings;
   settings.techniques = plan::parseTechniques(options.techniques);
   settings.quality = *plan::qualityNamed(options.quality);
   settings.prm_layout = *plan::prmLayoutNamed(options.prm_layout);
   settings.prm_estimator = *plan::prmEstimatorNamed(options.prm_estimator);
+  settings.probe_spacing_m = probeSpacing(options.probe_spacing);
+  if (options.probes) {
+    checkReadable(*options.probes);
+    settings.probe_points_m = plan::readProbePoints(*options.probes);
+  }
   plan::checkTechniques(settings);
   plan::checkPrm(settings);
   plan::checkRadiosity(settings);

@@ -1,6 +1,8 @@
 // What bake and submit both take: everything about the result, nothing about where it goes.
 #pragma once
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
 #include <string>
 
 #include "precompute/bake/run.h"
@@ -10,6 +12,8 @@ namespace lightwell::cli {
 struct BakeOptions {
   bake::Request request;
   std::string techniques = "auto", quality = "production";
+  std::string probe_spacing = "0";
+  std::optional<std::filesystem::path> probes;
   std::string prm_layout = "local-bases", prm_estimator = "gather";
 };
 

@@ -98,6 +98,17 @@ json contentJson(const format::Reader& reader) {
                             {"materials", names(radiosity.materials())},
                             {"portals", names(radiosity.portals())}};
   }
+  if (reader.has("probes", "header")) {
+    const auto probes = reader.probes();
+    content["probes"] = {{"lattice_probes", probes.lattice_probes()},
+                         {"points", probes.points()},
+                         {"lattice_count", std::vector<uint32_t>(probes.lattice_count().begin(), probes.lattice_count().end())},
+                         {"lattice_spacing_m", probes.lattice_spacing()},
+                         {"moved", probes.moved()},
+                         {"inside", probes.inside()},
+                         {"sealed", probes.sealed()},
+                         {"links", reader.has("probes", "link_node") ? reader.chunk("probes", "link_node").elements : 0}};
+  }
   if (reader.has("environment", "header")) {
     const auto environment = reader.environment();
     content["environment"] = {{"cells", environment.cells()},

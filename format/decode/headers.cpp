@@ -97,6 +97,21 @@ bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHea
   return reader.ok() && sky_flux.complete() && radiance_sh.complete();
 }
 
+bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header) {
+  header = {};
+  WireReader reader(message, bytes);
+  uint32_t counts = 0;
+  Vector<float, 3> first{header.lattice_first_m};
+  while (reader.next()) switch (reader.field()) {
+      case 1: reader.read(header.lattice_probes); break;
+      case 2: reader.read(header.points); break;
+      case 3: reader.append(header.lattice_count, 3, counts); break;
+      case 4: first.append(reader); break;
+      case 5: reader.read(header.lattice_spacing_m); break;
+    }
+  return reader.ok() && counts == first.count && (counts == 0 || counts == 3);
+}
+
 bool parseRadiosityHeader(const uint8_t* message, size_t bytes, RadiosityHeader& header, std::string_view* material_names, size_t material_capacity,
                           RadiosityPortal* portals, size_t portal_capacity) {
   header = {};

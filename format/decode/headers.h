@@ -56,11 +56,19 @@ struct RadiosityHeader {
   uint32_t material_count = 0, portal_count = 0;
 };
 
+struct ProbesHeader {
+  uint32_t lattice_probes = 0, points = 0;
+  uint64_t lattice_count[3] = {};      // all 0 without a lattice
+  float lattice_first_m[3] = {};
+  float lattice_spacing_m = 0;
+};
+
 /// Each parses the decoded bytes of a chunk "header". False when they are not a valid message of that kind (wire format, array lengths).
 /// Values are not judged further; `verify` does that.
 bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header);
 bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header);
 bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHeader& header);
+bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header);
 /// `lights` may be null; otherwise it receives the first `light_capacity` lights. SceneHeader::light_count counts all.
 bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity);
 

@@ -138,7 +138,7 @@ std::vector<Issue> verify(const Source& source, const Limits& limits) {
   using Check = void (*)(VerifyContext&);
   constexpr std::pair<const char*, Check> checks[] = {
       {"meta", verifyMeta}, {"scene", verifyScene}, {"geometry", verifyGeometry}, {"atlas", verifyAtlas}, {"prm", verifyPrm},
-      {"environment", verifyEnvironment}, {"radiosity", verifyRadiosity}};
+      {"environment", verifyEnvironment}, {"radiosity", verifyRadiosity}, {"probes", verifyProbes}};
   for (const auto& [type, check] : checks)
     if (context.has(type)) check(context);
   context.checkRemaining();

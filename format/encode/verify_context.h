@@ -93,5 +93,6 @@ void verifyAtlas(VerifyContext& context);
 void verifyPrm(VerifyContext& context);
 void verifyEnvironment(VerifyContext& context);
 void verifyRadiosity(VerifyContext& context);
+void verifyProbes(VerifyContext& context);
 
 }  // namespace lightwell::format

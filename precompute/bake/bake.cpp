@@ -5,6 +5,7 @@
 #include "precompute/bake/measured_error.h"
 #include "precompute/bake/stage_tasks.h"
 #include "precompute/bake/prm_tasks.h"
+#include "precompute/bake/probe_tasks.h"
 #include "precompute/bake/radiosity_tasks.h"
 #include "precompute/bake/sections.h"
 #include "precompute/bake/sky_tasks.h"
@@ -54,6 +55,8 @@ struct ContainerParts {
   InputRange sky;                                  // empty without a sky on its texels
   std::shared_ptr<const transport::RadiosityBaker> radiosity;
   InputRange radiosity_links;                      // empty without radiosity
+  ProbesToBake probes;
+  InputRange probe_links;                          // empty without probes
   InputRange references;                           // of indirect light, for whatever gives it
   InputRange environment, environment_errors;      // at most one each
 };
@@ -86,6 +89,9 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
       addError(meta, "radiosity", measured->relrmse, measured->texrel, measured->bias, measured->against);
     in.cancel.check();
   }
+  std::optional<transport::ProbeResult> probes;
+  if (plan.probes) probes = parts.probes.baker->assemble(viewsOf(parts.probe_links.of(in)));
+  in.cancel.check();
   for (const Blob& errors : parts.environment_errors.of(in))
     for (const EnvironmentError& e : readEnvironmentErrors(errors))
       addError(meta, "environment", e.relrmse, e.texrel, e.bias,
@@ -102,6 +108,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   if (prm) addPrmSection(writer, *prm, sky, context.scene().metres_per_unit);
   in.cancel.check();
   if (radiosity) addRadiositySection(writer, *radiosity, context.scene());
+  if (probes) addProbesSection(writer, *probes, context.scene().metres_per_unit);
   in.cancel.check();
   for (const Blob& environment : parts.environment.of(in)) addEnvironmentSection(writer, readEnvironment(environment), settings.environment);
   return writer.bytes();
@@ -128,8 +135,15 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
   if (plan.radiosity) {
     parts.radiosity = makeRadiosityBaker(context, radiosity_settings, tasks);
     if (parts.radiosity->patchCount() == 0) {
-      plan.radiosity = false;
+      plan.radiosity = plan.probes = false;
       plan.omitted.push_back({"radiosity", "every texel lies inside or behind other surfaces"});
+    }
+  }
+  if (plan.probes) {
+    parts.probes = makeProbeBaker(context, options.settings, parts.radiosity, tasks);
+    if (parts.probes.baker->probes().count() == 0) {
+      plan.probes = false;
+      plan.omitted.push_back({"probes", "every point of the lattice lies inside of things"});
     }
   }
   std::vector<TaskIndex> inputs;
@@ -145,7 +159,11 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     if (plan.prm_sky) parts.sky = take(addSkyTasks(result.graph, context, options.settings));
   }
   if (plan.prm || plan.radiosity) parts.references = take(addReferenceTasks(result.graph, context, options.test_lights));
-  if (plan.radiosity) parts.radiosity_links = take(addRadiosityTasks(result.graph, context, radiosity_settings, parts.radiosity));
+  if (plan.radiosity) {
+    const RadiosityTasks radiosity = addRadiosityTasks(result.graph, context, radiosity_settings, parts.radiosity);
+    parts.radiosity_links = take(radiosity.links);
+    if (plan.probes) parts.probe_links = take(addProbeTasks(result.graph, context, parts.probes, radiosity_settings, radiosity));
+  }
   if (plan.environment) {
     const bool measure = options.settings.quality != plan::Quality::draft;
     const EnvironmentTasks tasks = addEnvironmentTasks(result.graph, context, options.settings, measure);

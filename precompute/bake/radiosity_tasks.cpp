@@ -5,21 +5,12 @@
 #include <cmath>
 
 #include "precompute/bake/bake.h"
-#include "precompute/bake/stage_tasks.h"
 
 namespace lightwell::bake {
 namespace {
 
 // Elements of a stage in one task: a few tenths of a second of work. Part of what names a task, never of what it computes.
 constexpr uint32_t kPatchesPerTask = 256, kLightsPerTask = 8, kRowsPerTask = 1024;
-
-/// The patches: every stage knows the surfaces by them. They do not reach over from one material to the next.
-Parameters patchParameters(const BakeContext& context, const transport::RadiositySettings& s) {
-  KeyHasher materials;
-  materials.addArray(context.scene().mesh.triangle_material.data(), context.scene().mesh.triangle_material.size());
-  const transport::PatchOptions& p = s.patches;
-  return Parameters(context.keys().geometry).add(materials.finish()).add(p.coarsest, p.finest, p.near_share, p.most, s.seed);
-}
 
 }  // namespace
 
@@ -50,6 +41,14 @@ transport::RadiositySettings radiositySettings(const plan::Settings& settings) {
   return radiosity;
 }
 
+// Every stage knows the surfaces by their patches, which do not reach over from one material to the next.
+Parameters patchParameters(const BakeContext& context, const transport::RadiositySettings& s) {
+  KeyHasher materials;
+  materials.addArray(context.scene().mesh.triangle_material.data(), context.scene().mesh.triangle_material.size());
+  const transport::PatchOptions& p = s.patches;
+  return Parameters(context.keys().geometry).add(materials.finish()).add(p.coarsest, p.finest, p.near_share, p.most, s.seed);
+}
+
 std::shared_ptr<const transport::RadiosityBaker> makeRadiosityBaker(const BakeContext& context, const transport::RadiositySettings& settings,
                                                                     TaskRunner& tasks) {
   TaskGraph graph(productVersion());
@@ -62,7 +61,7 @@ std::shared_ptr<const transport::RadiosityBaker> makeRadiosityBaker(const BakeCo
   return std::make_shared<transport::RadiosityBaker>(context.scene(), context.atlas(), *context.tracer(), settings, *results[0]);
 }
 
-std::vector<TaskIndex> addRadiosityTasks(TaskGraph& graph, const BakeContext& context, const transport::RadiositySettings& settings,
+RadiosityTasks addRadiosityTasks(TaskGraph& graph, const BakeContext& context, const transport::RadiositySettings& settings,
                                          std::shared_ptr<const transport::RadiosityBaker> baker) {
   const double patches = baker->patchCount();
   const auto hits = addRange(graph, "radiosity", "hits", patchParameters(context, settings).add(settings.rays), baker->patchCount(), kPatchesPerTask, settings.rays, {},
@@ -80,8 +79,9 @@ std::vector<TaskIndex> addRadiosityTasks(TaskGraph& graph, const BakeContext& co
                                      }});
   auto link_parameters = train_parameters;
   link_parameters.add(settings.links.link_error, settings.links.uneven, settings.links.prune);
-  return addRange(graph, "radiosity", "links", link_parameters, baker->patchCount(), kRowsPerTask, settings.rays, {train},
+  const auto links = addRange(graph, "radiosity", "links", link_parameters, baker->patchCount(), kRowsPerTask, settings.rays, {train},
                   [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->links(first, end, *in.inputs[0]); });
+  return {links, train};
 }
 
 }  // namespace lightwell::bake

@@ -11,6 +11,7 @@
 #include "precompute/scene/scene.h"
 #include "precompute/transport/environment/environment.h"
 #include "precompute/transport/prm/prm.h"
+#include "precompute/transport/radiosity/bake_probes.h"
 #include "precompute/transport/radiosity/radiosity.h"
 
 namespace lightwell::bake {
@@ -25,6 +26,8 @@ void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, cons
 void addEnvironmentSection(format::Writer& writer, const transport::Environment& environment, const plan::EnvironmentPlacement& placement);
 /// `scene`: its materials' names and its unit of length.
 void addRadiositySection(format::Writer& writer, const transport::RadiosityResult& radiosity, const scene::Scene& scene);
+/// `metres_per_unit` of the scene.
+void addProbesSection(format::Writer& writer, const transport::ProbeResult& probes, double metres_per_unit);
 void addMetaSection(format::Writer& writer, const v1::MetaHeader& header);
 
 }  // namespace lightwell::bake

@@ -20,6 +20,8 @@ std::string uselessness(Technique technique, const SceneFacts& facts) {
   return "";
 }
 
+bool wantsProbes(const Settings& settings) { return settings.probe_spacing_m != 0 || !settings.probe_points_m.empty(); }
+
 bool hasBaker(Technique technique) { return std::find(std::begin(kBakers), std::end(kBakers), technique) != std::end(kBakers); }
 
 }  // namespace
@@ -44,6 +46,9 @@ void checkPrm(const Settings& settings) {
 void checkRadiosity(const Settings& settings) {
   if (settings.radiosity_density != 0 && !(settings.radiosity_density >= kLeastRadiosityDensity && settings.radiosity_density <= 1))
     throw UsageError("--radiosity-density: from 1/64 to 1 patch per light-map texel along a side");
+  const bool radiosity = std::find(settings.techniques.begin(), settings.techniques.end(), Technique::radiosity) != settings.techniques.end();
+  if (wantsProbes(settings) && !radiosity)
+    throw UsageError(std::string(settings.probe_spacing_m != 0 ? "--probe-spacing" : "--probes") + ": probes are lit by radiosity: --techniques radiosity");
 }
 
 void checkEnvironment(const Settings& settings) {
@@ -83,6 +88,8 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
     else
       (technique == Technique::prm ? plan.prm : technique == Technique::radiosity ? plan.radiosity : plan.environment) = true;
   }
+  plan.probes = plan.radiosity && wantsProbes(settings);
+  if (plan.radiosity && !plan.probes) plan.omitted.push_back({"probes", "not asked for: what moves in the scene is the game's to know"});
   plan.prm_emitter = plan.prm && facts.has_emitters;
   plan.prm_sky = plan.prm && facts.has_sky_light;
   if (plan.prm && !facts.has_emitters) plan.omitted.push_back({"prm.emitter", "no surface emits light"});

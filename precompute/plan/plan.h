@@ -28,6 +28,7 @@ struct Plan {
   bool prm_emitter = false;       // the constant panes of the scene's own emitters
   bool prm_sky = false;           // the constant panes of the sky
   bool radiosity = false;
+  bool probes = false;            // for moving objects, lit by the patches of radiosity
   bool environment = false;
   std::vector<Omitted> omitted;
 };
@@ -37,7 +38,7 @@ void checkTechniques(const Settings& settings);
 /// Throws UsageError for choices of the section prm that exclude each other.
 void checkPrm(const Settings& settings);
 
-/// Throws UsageError for a density that no light map can be divided by.
+/// Throws UsageError for a density that no light map can be divided by, and for probes without radiosity.
 void checkRadiosity(const Settings& settings);
 /// Throws UsageError for numbers of samples and cells that no environment can have.
 void checkEnvironment(const Settings& settings);

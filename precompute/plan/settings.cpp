@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -67,6 +68,28 @@ float requiredNumber(const std::string& key, const json& value, double least, do
   return value.get<float>();
 }
 
+float requiredSpacing(const std::string& key, const json& value) {
+  if (value == "auto") return kAutomaticProbeSpacing;
+  return requiredNumber(key, value, 0, kMostProbeSpacing_m);
+}
+
+std::vector<std::array<double, 3>> requiredPoints(const std::string& key, const json& value) {
+  if (!value.is_array() || value.size() > kMostProbePoints)
+    throw UsageError("settings: \"" + key + "\" must be an array of at most " + std::to_string(kMostProbePoints) + " points");
+  std::vector<std::array<double, 3>> points;
+  for (size_t i = 0; i < value.size(); ++i) {
+    const json& point = value[i];
+    if (!point.is_array() || point.size() != 3) throw UsageError("settings: \"" + key + "\"[" + std::to_string(i) + "] must be three numbers");
+    std::array<double, 3>& place = points.emplace_back();
+    for (size_t k = 0; k < 3; ++k) {
+      if (!point[k].is_number() || !(std::abs(point[k].get<double>()) <= 1e9))
+        throw UsageError("settings: \"" + key + "\"[" + std::to_string(i) + "] must be three numbers of at most 1e9 m");
+      place[k] = point[k].get<double>();
+    }
+  }
+  return points;
+}
+
 std::optional<std::array<float, 3>> requiredGround(const std::string& key, const json& value) {
   if (value.is_null()) return std::nullopt;
   if (!value.is_array() || value.size() != 3) throw UsageError("settings: \"" + key + "\" must be null or three numbers");
@@ -115,6 +138,7 @@ std::string canonicalJson(const Settings& settings) {
     techniques = json::array();
     for (const Technique technique : settings.techniques) techniques.push_back(name(technique));
   }
+  const json spacing = settings.probe_spacing_m == kAutomaticProbeSpacing ? json("auto") : json(settings.probe_spacing_m);
   const auto& ground_rgb = settings.environment.ground_radiance_rgb;
   const json ground = ground_rgb ? json(*ground_rgb) : json(nullptr);
   return json{{"techniques", techniques},
@@ -128,6 +152,8 @@ std::string canonicalJson(const Settings& settings) {
               {"prm_entries", settings.prm_entries},
               {"prm_clusters", settings.prm_clusters},
               {"radiosity_density", settings.radiosity_density},
+              {"probe_spacing_m", spacing},
+              {"probe_points_m", settings.probe_points_m},
               {"environment_samples", settings.environment_samples},
               {"sky_face_cells", settings.sky_face_cells},
               {"environment_rotation_deg", settings.environment.rotation_deg},
@@ -177,6 +203,10 @@ Settings settingsFromJson(std::string_view text) {
       settings.prm_clusters = requiredCount(key, value, kMostPrmClusters);
     } else if (key == "radiosity_density") {
       settings.radiosity_density = requiredNumber(key, value, 0, 1);
+    } else if (key == "probe_spacing_m") {
+      settings.probe_spacing_m = requiredSpacing(key, value);
+    } else if (key == "probe_points_m") {
+      settings.probe_points_m = requiredPoints(key, value);
     } else if (key == "environment_samples") {
       settings.environment_samples = requiredCount(key, value, kMostEnvironmentSamples);
     } else if (key == "sky_face_cells") {

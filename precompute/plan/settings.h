@@ -21,6 +21,8 @@ enum class PrmEstimator { gather, walks };
 inline constexpr int kMostLightmapSize = 8192;
 inline constexpr uint32_t kMostPrmEntries = 1u << 20, kMostPrmClusters = 1u << 16, kMostPrmPanes = 4096;
 inline constexpr float kLeastRadiosityDensity = 1.0f / 64;
+inline constexpr float kAutomaticProbeSpacing = -1, kMostProbeSpacing_m = 1e6f;
+inline constexpr size_t kMostProbePoints = 65536;
 inline constexpr uint32_t kMostEnvironmentSamples = 4096, kFewestSkyFaceCells = 16, kMostSkyFaceCells = 256;
 inline constexpr int kFinestRefinement = 3, kCoarsestRefinement = -6;
 
@@ -46,6 +48,8 @@ struct Settings {
   uint32_t prm_entries = 0;           // entry points over all clusters, about, up to kMostPrmEntries; 0: the quality's
   uint32_t prm_clusters = 0;          // clusters of entry points, about, up to kMostPrmClusters (panes: kMostPrmPanes); 0: the quality's
   float radiosity_density = 0;        // patches per light-map texel along a side, rounded to a power of two, kLeastRadiosityDensity to 1; 0: adaptive
+  float probe_spacing_m = 0;          // of the lattice of probes for moving objects; kAutomaticProbeSpacing: by the scene's size; 0: no lattice
+  std::vector<std::array<double, 3>> probe_points_m;  // more probes, in the glTF file's world; up to kMostProbePoints
   uint32_t environment_samples = 128; // cells of the environment, suns included, 1 to kMostEnvironmentSamples
   uint32_t sky_face_cells = 64;       // along a face of the sky's cube: even, kFewestSkyFaceCells to kMostSkyFaceCells
   EnvironmentPlacement environment;

@@ -1,0 +1,290 @@
+#include "precompute/transport/radiosity/probe_links.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "precompute/transport/radiosity/probe_rays.h"
+#include "precompute/transport/radiosity/spherical_harmonics.h"
+
+namespace lightwell::transport {
+namespace {
+
+constexpr uint64_t kProbeStream = 7ull << 40;
+constexpr float kFaintest = 0.1f;         // of the scene's mean irradiance: darker probes need not be relatively as exact
+constexpr double kMostCorrection = 0.5;   // of a link's value
+
+using Errors = Eigen::ArrayXf;            // [light][harmonic], as parts of irradiance
+
+/// A link of the probe that is being compressed, and what it gets wrong.
+struct Link {
+  uint32_t node;
+  float value;
+  Errors error;
+};
+
+Vec3 unit(const Vec3& sum) { return sum.length2() > 0 ? sum.normalized() : Vec3(0, 0, 1); }
+
+class ProbeMerger {
+ public:
+  ProbeMerger(const ProbeHits& hits, std::span<const Vec3> positions, const ProbeSurroundings& surroundings, const RadiosityTraining& training,
+              const ProbeLinkOptions& options)
+      : hits_(hits), positions_(positions), tree_(surroundings.tree), surroundings_(surroundings), options_(options), lights_(std::min<Eigen::Index>(training.lights(), options.most_lights)),
+        node_radiosity_(tree_.nodeCount(), lights_) {
+    node_radiosity_.topRows(training.radiosity.rows()) = training.radiosity.leftCols(lights_);
+    for (uint32_t i = tree_.level_first[1]; i < tree_.nodeCount(); ++i) {
+      const uint32_t index = i - tree_.level_first[1];
+      node_radiosity_.row(i).setZero();
+      for (uint32_t child = tree_.first_child[index]; child < tree_.first_child[index + 1]; ++child) node_radiosity_.row(i) += node_radiosity_.row(child) * tree_.area[child];
+      node_radiosity_.row(i) /= tree_.area[i];
+    }
+  }
+
+  std::vector<Link> links(uint32_t probe) {
+    begin(probe);
+    for (uint32_t level = 1; level < tree_.levelCount(); ++level) mergeInto(level);
+    return std::move(links_);
+  }
+  Vec3 wayTo(uint32_t node) const { return unit(surroundings_.position[node] - positions_[probe_]); }
+
+ private:
+  /// What a link adds to the irradiance: coefficients of the bands, scaled so that the sum of their squares is the mean square over all normals.
+  Errors light(float value, const Vec3& direction, uint32_t node) const {
+    const auto y = sphericalHarmonics(direction);
+    Errors part(lights_ * kHarmonics);
+    for (Eigen::Index l = 0; l < lights_; ++l)
+      for (int k = 0; k < kHarmonics; ++k)
+        part[l * kHarmonics + k] = value * 4 * node_radiosity_(node, l) * y[size_t(k)] * kCosineBand[size_t(k)] * 0.28209479f;
+    return part;
+  }
+  float rms(const Errors& error) const { return std::sqrt((error * scale_).square().sum() / float(lights_)); }
+
+  void begin(uint32_t probe) {
+    probe_ = probe;
+    links_.clear();
+    Errors all = Errors::Zero(lights_ * kHarmonics);
+    error_ = all;
+    for (uint64_t i = hits_.first[probe]; i < hits_.first[probe + 1]; ++i) {
+      const float value = float(hits_.count[i]) / float(options_.rays);
+      const Errors exact = light(value, unit(hits_.direction[i]), hits_.patch[i]);
+      links_.push_back({hits_.patch[i], value, light(value, wayTo(hits_.patch[i]), hits_.patch[i]) - exact});
+      all += exact;
+      error_ += links_.back().error;
+    }
+    scale_ = Errors(lights_ * kHarmonics);
+    for (Eigen::Index l = 0; l < lights_; ++l) scale_.segment(l * kHarmonics, kHarmonics).setConstant(1 / (std::abs(all[l * kHarmonics]) + kFaintest));
+    unmerged_ = rms(error_);
+  }
+
+  /// Whether what the probe sees of `node`, together `value`, spreads over it as its area does, seen at its patches and at its children.
+  bool isEven(uint32_t node, uint32_t level, double value) const {
+    const double most2 = double(options_.uneven) * options_.uneven + value / options_.rays;
+    const double per_area = value / tree_.area[node];
+    const auto all = std::span(hits_.patch).subspan(hits_.first[probe_], hits_.first[probe_ + 1] - hits_.first[probe_]);
+    const auto at = [&](uint32_t patch) { return size_t(std::lower_bound(all.begin(), all.end(), patch) - all.begin()); };
+    const auto shareAt = [&](size_t i) { return double(hits_.count[hits_.first[probe_] + i]) / options_.rays; };
+    const size_t begin = at(tree_.first_patch[node]), end = at(tree_.end_patch[node]);
+    double deviation2 = 0, missed_area = tree_.area[node];
+    for (size_t i = begin; i < end; ++i) {
+      const double area = tree_.area[all[i]], difference = shareAt(i) - per_area * area;
+      deviation2 += difference * difference;
+      missed_area = std::max(0.0, missed_area - area);
+    }
+    const double missed = double(tree_.end_patch[node] - tree_.first_patch[node]) - double(end - begin);
+    if (missed > 0) deviation2 += per_area * per_area * missed_area * missed_area / missed;
+    if (deviation2 > most2 || level == 1) return deviation2 <= most2;
+    deviation2 = 0;
+    const uint32_t index = node - tree_.level_first[1];
+    for (uint32_t child = tree_.first_child[index]; child < tree_.first_child[index + 1]; ++child) {
+      double difference = -per_area * tree_.area[child];
+      for (size_t i = at(tree_.first_patch[child]), stop = at(tree_.end_patch[child]); i < stop; ++i) difference += shareAt(i);
+      deviation2 += difference * difference;
+    }
+    return deviation2 <= most2;
+  }
+
+  /// Merges the links below nodes of `level`, those that cost least first, while the probe's error allows. Links are in the order of their patches.
+  void mergeInto(uint32_t level) {
+    struct Candidate {
+      size_t begin, end;  // links
+      Link merged;
+      float cost;
+    };
+    std::vector<Candidate> candidates;
+    uint32_t node = tree_.level_first[level];
+    for (size_t begin = 0, end; begin < links_.size(); begin = end) {
+      while (tree_.end_patch[node] <= tree_.first_patch[links_[begin].node]) ++node;
+      for (end = begin; end < links_.size() && tree_.first_patch[links_[end].node] < tree_.end_patch[node];) ++end;
+      if (end - begin < 2 || !surroundings_.mergeable[node]) continue;
+      Link merged{node, 0.0f, Errors::Zero(lights_ * kHarmonics)};
+      for (size_t i = begin; i < end; ++i) {
+        merged.value += links_[i].value;
+        merged.error += links_[i].error - light(links_[i].value, wayTo(links_[i].node), links_[i].node);
+      }
+      if (!isEven(node, level, merged.value)) continue;
+      merged.error += light(merged.value, wayTo(node), node);
+      const float cost = rms(merged.error) / float(end - begin - 1);
+      candidates.push_back({begin, end, std::move(merged), cost});
+    }
+    std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+    // Every level may use a part of the error, so that the lowest does not spend it all.
+    const float most = std::hypot(unmerged_, options_.error * float(level) / float(tree_.levelCount() - 1));
+    std::vector<char> gone(links_.size(), 0);
+    for (Candidate& candidate : candidates) {
+      Errors error = error_ + candidate.merged.error;
+      for (size_t i = candidate.begin; i < candidate.end; ++i) error -= links_[i].error;
+      if (rms(error) > most) continue;
+      error_ = error;
+      for (size_t i = candidate.begin + 1; i < candidate.end; ++i) gone[i] = 1;
+      links_[candidate.begin] = std::move(candidate.merged);
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < links_.size(); ++i)
+      if (!gone[i]) {
+        if (kept != i) links_[kept] = std::move(links_[i]);
+        ++kept;
+      }
+    links_.resize(kept);
+  }
+
+  const ProbeHits& hits_;
+  std::span<const Vec3> positions_;
+  const PatchTree& tree_;
+  const ProbeSurroundings& surroundings_;
+  ProbeLinkOptions options_;
+  Eigen::Index lights_;
+  RadiosityTraining::Matrix node_radiosity_;
+  uint32_t probe_ = 0;
+  std::vector<Link> links_;
+  Errors scale_, error_;
+  float unmerged_ = 0;  // what the directions of patches close by get wrong, merged or not
+};
+
+/// Links have one direction each, which bends the harmonics of light from all around a little. Changes the values as little as can be (Σ (change / value)² · value least)
+/// until even light gives just what the rays found of it: the same from all sides in a closed room.
+void keepEvenLightEven(const ProbeMerger& merger, std::vector<Link>& links, const std::array<double, kHarmonics>& moments) {
+  Eigen::Matrix<double, kHarmonics, kHarmonics> gram = Eigen::Matrix<double, kHarmonics, kHarmonics>::Zero();
+  Eigen::Matrix<double, kHarmonics, 1> missing;
+  for (int k = 0; k < kHarmonics; ++k) missing[k] = moments[size_t(k)];
+  for (const Link& link : links) {
+    const auto y = sphericalHarmonics(merger.wayTo(link.node));
+    for (int i = 0; i < kHarmonics; ++i) {
+      missing[i] -= double(link.value) * double(y[size_t(i)]);
+      for (int j = 0; j < kHarmonics; ++j) gram(i, j) += double(link.value) * double(y[size_t(i)]) * double(y[size_t(j)]);
+    }
+  }
+  // The least bit of damping: few links cannot have nine moments.
+  gram.diagonal().array() += 1e-6 * gram.trace();
+  const Eigen::Matrix<double, kHarmonics, 1> weight = gram.ldlt().solve(missing);
+  double sum = 0, corrected = 0;
+  for (Link& link : links) {
+    sum += link.value;
+    const auto y = sphericalHarmonics(merger.wayTo(link.node));
+    double change = 0;
+    for (int k = 0; k < kHarmonics; ++k) change += weight[k] * double(y[size_t(k)]);
+    link.value *= float(1 + std::clamp(change, -kMostCorrection, kMostCorrection));
+    corrected += link.value;
+  }
+  for (Link& link : links) link.value *= float(sum / corrected);
+}
+
+}  // namespace
+
+void ProbeHits::append(const ProbeHits& other) {
+  const uint64_t base = patch.size();
+  for (size_t i = 1; i < other.first.size(); ++i) first.push_back(base + other.first[i]);
+  patch.insert(patch.end(), other.patch.begin(), other.patch.end());
+  count.insert(count.end(), other.count.begin(), other.count.end());
+  direction.insert(direction.end(), other.direction.begin(), other.direction.end());
+}
+
+void ProbeLinkValues::append(const ProbeLinkValues& other) {
+  const uint32_t base = uint32_t(node.size());
+  for (size_t i = 1; i < other.first.size(); ++i) first.push_back(base + other.first[i]);
+  node.insert(node.end(), other.node.begin(), other.node.end());
+  value.insert(value.end(), other.value.begin(), other.value.end());
+}
+
+ProbeHits countProbeHits(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, const Patches& patches,
+                         const Probes& probes, uint32_t rays, uint64_t seed, uint32_t begin, uint32_t end) {
+  ProbeHits result;
+  std::vector<trace::Hit> hits;
+  std::vector<std::pair<uint32_t, uint32_t>> met;  // patch, ray
+  for (uint32_t probe = begin; probe < end; ++probe) {
+    const auto list = sphereRays(probes.position[probe], rays, seed, kProbeStream + probe);
+    hits.resize(list.size());
+    tracer.closest(list, hits);
+    met.clear();
+    for (uint32_t i = 0; i < hits.size(); ++i) {
+      if (hits[i].triangle == kNone) continue;
+      const uint32_t side = sides.met(atlas.slotAt(scene.mesh, hits[i].triangle, hits[i].u, hits[i].v), hits[i].front);
+      if (side != kNone && patches.patch_of_side[side] != kNone) met.emplace_back(patches.patch_of_side[side], i);
+    }
+    std::sort(met.begin(), met.end());
+    for (const auto& [patch, ray] : met) {
+      if (result.patch.size() == result.first.back() || result.patch.back() != patch) {
+        result.patch.push_back(patch);
+        result.count.push_back(0);
+        result.direction.emplace_back(0.0f);
+      }
+      ++result.count.back();
+      result.direction.back() += list[ray].direction;
+    }
+    result.first.push_back(result.patch.size());
+  }
+  return result;
+}
+
+std::vector<Vec3> nodePositions(const Patches& patches, const PatchTree& tree) {
+  std::vector<Vec3> position = patches.position;
+  for (uint32_t node = patches.count(); node < tree.nodeCount(); ++node) {
+    Vec3 sum(0.0f);
+    for (uint32_t child = tree.first_child[node - patches.count()]; child < tree.first_child[node - patches.count() + 1]; ++child) sum += position[child] * tree.area[child];
+    position.push_back(sum / tree.area[node]);
+  }
+  return position;
+}
+
+ProbeLinkValues makeProbeLinks(const ProbeHits& hits, std::span<const Vec3> positions, const ProbeSurroundings& surroundings, const RadiosityTraining& training,
+                               const ProbeLinkOptions& options) {
+  ProbeLinkValues result;
+  ProbeMerger merger(hits, positions, surroundings, training, options);
+  for (uint32_t probe = 0; probe + 1 < hits.first.size(); ++probe) {
+    std::array<double, kHarmonics> moments{};
+    for (uint64_t i = hits.first[probe]; i < hits.first[probe + 1]; ++i) {
+      const auto y = sphericalHarmonics(unit(hits.direction[i]));
+      for (size_t k = 0; k < kHarmonics; ++k) moments[k] += double(hits.count[i]) / options.rays * double(y[k]);
+    }
+    std::vector<Link> links = merger.links(probe);
+    keepEvenLightEven(merger, links, moments);
+    std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.node < b.node; });
+    for (const Link& link : links) {
+      result.node.push_back(link.node);
+      result.value.push_back(link.value);
+    }
+    result.first.push_back(uint32_t(result.node.size()));
+  }
+  return result;
+}
+
+ProbeLinks quantiseProbeLinks(const ProbeLinkValues& links) {
+  ProbeLinks result;
+  result.first = links.first;
+  result.node = links.node;
+  for (uint32_t probe = 0; probe < links.probes(); ++probe) {
+    double sum = 0, largest = 0;
+    for (uint32_t l = links.first[probe]; l < links.first[probe + 1]; ++l) {
+      sum += links.value[l];
+      largest = std::max(largest, double(links.value[l]));
+    }
+    uint64_t codes = 0;
+    for (uint32_t l = links.first[probe]; l < links.first[probe + 1]; ++l) {
+      result.code.push_back(linkCode(float(links.value[l] / largest * linkWeight(255))));
+      codes += linkWeight(result.code.back());
+    }
+    result.scale.push_back(codes ? float(sum / double(codes)) : 0.0f);
+  }
+  return result;
+}
+
+}  // namespace lightwell::transport
