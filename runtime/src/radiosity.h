@@ -90,8 +90,9 @@ namespace lightwell::runtime {
 
 constexpr float linkWeight(uint32_t code) { return float((16u + (code & 15u)) << (code >> 4)); }
 
-/// Fills node[0 … patches) with radiosities of the patches: albedo · (direct + irradiance) + emitted.
-void patchRadiosity(const lw_radiosity_state& state, const Float4* irradiance, Float4* node);
+/// Fills node[0 … patches) with radiosities of the patches: albedo · (direct + irradiance) (LW_RADIOSITY_INDIRECT) + emitted (LW_RADIOSITY_EMITTERS).
+void patchRadiosity(const lw_radiosity_state& state, const Float4* irradiance, Float4* node,
+                    uint32_t light = LW_RADIOSITY_INDIRECT | LW_RADIOSITY_EMITTERS);
 /// Fills the nodes above the patches with the means of those below.
 void averageNodes(const lw_radiosity& radiosity, Float4* node);
 /// What every patch receives from the nodes.

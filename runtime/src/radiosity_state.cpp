@@ -79,10 +79,11 @@ inline void addLinks(const uint32_t* link, size_t begin, size_t end, const Float
 
 }  // namespace
 
-void patchRadiosity(const lw_radiosity_state& state, const Float4* irradiance, Float4* node) {
+void patchRadiosity(const lw_radiosity_state& state, const Float4* irradiance, Float4* node, uint32_t light) {
+  const float reflected = light & LW_RADIOSITY_INDIRECT ? 1.0f : 0.0f, emitted = light & LW_RADIOSITY_EMITTERS ? 1.0f : 0.0f;
   for (size_t i = 0; i < state.radiosity->patches(); ++i)
     for (int k = 0; k < 4; ++k) {
-      const float b = state.albedo[i].v[k] * (state.direct[i].v[k] + irradiance[i].v[k]) + state.emitted[i].v[k];
+      const float b = reflected * state.albedo[i].v[k] * (state.direct[i].v[k] + irradiance[i].v[k]) + emitted * state.emitted[i].v[k];
       node[i].v[k] = finite(b);
     }
 }

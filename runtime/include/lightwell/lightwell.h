@@ -125,7 +125,7 @@ LW_API lw_result lw_open_reader(const lw_reader *reader, const lw_config *config
 /* Closes a container. What was loaded from it (lw_prm) stays valid. */
 LW_API void lw_close(lw_container *container);
 
-/* 1 when the container has this section ("scene", "geometry", "atlas", "prm", "environment", "radiosity") in a version that this library knows, else 0. */
+/* 1 when the container has this section ("scene", "geometry", "atlas", "prm", "environment", "radiosity", "probes") in a version that this library knows, else 0. */
 LW_API int lw_has_section(const lw_container *container, const char *section);
 
 /* ---- Scene ------------------------------------------------------------------------------------------------------------------------ */
@@ -465,6 +465,64 @@ typedef struct lw_radiosity_shading {
  * shading: NULL for LW_RADIOSITY_SHADING_INIT.
  * atlas_rgba: [height][width][4]; alpha 1 where a texel has a value. */
 LW_API lw_result lw_radiosity_shade(lw_radiosity_state *state, const lw_radiosity_shading *shading, float *atlas_rgba);
+
+/* ---- Probes ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Light for what moves: places in the air that know what they receive from the patches of radiosity, on a lattice and at points that the bake was asked for. It is light that patches
+ * reflect and emit; light straight from lamps is the game's own.
+ *
+ *   lw_probes_load(container, radiosity, &probes);
+ *   lw_probes_evaluate(probes, state, NULL, sh);             after lw_radiosity_step or _solve: all probes,
+ *   lw_probes_sample(probes, sh, position, object_sh);         what arrives at an object,
+ *   lw_sh_irradiance(object_sh, normal, irradiance);           and on one side of it
+ *
+ * An lw_probes never changes; it needs the lw_radiosity only while it is loaded. */
+typedef struct lw_probes lw_probes;
+
+typedef struct lw_probes_info {
+  uint32_t probes;             /* those on the lattice first, then the points in the order of the bake's list */
+  uint32_t lattice_probes;
+  uint32_t links;
+  uint32_t lattice_count[3];   /* points of the lattice along the axes, not all of which have a probe; 0: no lattice */
+  float lattice_first_m[3];
+  float lattice_spacing_m;
+  const float *position_m;     /* [probes][3]; lives as long as the lw_probes */
+} lw_probes_info;
+
+/* Decodes and checks the section "probes" of the container that `radiosity` is of. Memory: 8 bytes a link, about 100 a probe, 8 or less a point of the lattice. Fails as lw_decode_array does.
+ *
+ * probes: receives a handle, to be released with lw_probes_release. */
+LW_API lw_result lw_probes_load(const lw_container *container, const lw_radiosity *radiosity, lw_probes **probes);
+LW_API void lw_probes_release(lw_probes *probes);
+LW_API lw_result lw_probes_get_info(const lw_probes *probes, lw_probes_info *info);
+
+typedef struct lw_probes_evaluation {
+  size_t size;                 /* sizeof(lw_probes_evaluation), set by LW_PROBES_EVALUATION_INIT */
+  uint32_t light;              /* LW_RADIOSITY_INDIRECT: what patches reflect; LW_RADIOSITY_EMITTERS: what they emit; or both */
+  uint32_t coefficients;       /* 9, or 4: the last five are zero then */
+  const uint32_t *probe;       /* [count]: which; NULL: all */
+  uint32_t count;
+} lw_probes_evaluation;
+#define LW_PROBES_EVALUATION_INIT {sizeof(lw_probes_evaluation), LW_RADIOSITY_INDIRECT | LW_RADIOSITY_EMITTERS, 9, NULL, 0}
+
+/* What probes receive from the state's light. Where the coefficients would give some normal a negative irradiance, all but the first are scaled down until none is: the mean stays.
+ * LW_NOT_FOUND for a probe beyond the last; LW_INVALID_ARGUMENT for a state of other form factors.
+ *
+ * evaluation: NULL for LW_PROBES_EVALUATION_INIT.
+ * radiance_sh: [probes, or count][9][3], integrals of radiance times Y in the order of lw_environment_info.sky_radiance_sh: what lw_sh_irradiance takes. */
+LW_API lw_result lw_probes_evaluate(const lw_probes *probes, lw_radiosity_state *state, const lw_probes_evaluation *evaluation, float *radiance_sh);
+
+/* The probes of the lattice around a position. */
+typedef struct lw_probes_around {
+  uint32_t count;              /* 0 to 8 */
+  uint32_t probe[8];
+  float weight[8];             /* > 0, sum 1 */
+} lw_probes_around;
+/* Which probes light a position, and how much each: trilinear, as far as they see it. What is near a wall takes no light from behind it; positions inside of walls take that of the nearer
+ * side. Beyond the lattice its border counts. None where there is no lattice, or no probe around. */
+LW_API lw_result lw_probes_find(const lw_probes *probes, const float position_m[3], lw_probes_around *around);
+/* The sum of what these probes have. probe_radiance_sh: [probes][9][3] as lw_probes_evaluate gives it for all. */
+LW_API lw_result lw_probes_sample(const lw_probes *probes, const float *probe_radiance_sh, const float position_m[3], float radiance_sh[9][3]);
 
 /* ---- Environment light ------------------------------------------------------------------------------------------------------------ */
 
