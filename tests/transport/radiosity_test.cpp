@@ -58,8 +58,9 @@ struct Factors {
     exposed = exposedShare(p.scene, p.atlas, *p.tracer, sides, 1, 2, nullptr);
     patches = makePatches(p.scene, p.atlas, *p.tracer, sides, exposed, options);
     colorPatches(p.atlas, sides, exposed, patches);
-    const HitCounts hits = countHits(p.scene, p.atlas, *p.tracer, sides, patches, rays, 1, 0, patches.count());
-    factors = makeFormFactors(patches, hits, rays);
+    const GatedTracer tracer(p.scene, p.atlas, *p.tracer, nullptr, sides, patches);
+    const HitCounts hits = countHits(p.scene, p.atlas, tracer, sides, patches, rays, 1, 0, patches.count());
+    factors = makeFormFactors(tracer.zones(), patches, hits, rays);
   }
 };
 
@@ -196,7 +197,7 @@ TEST(Radiosity, CompressionAddsLittleUnderALightThatItDidNotSee) {
   LinkOptions options;
   options.rays = 512;
   LinkValues values = makeLinks(f.factors, tree, training, options, 0, f.patches.count());
-  balanceLinks(tree, values);
+  balanceLinks(PortalZones(f.p.scene), f.patches, tree, values);
   const RadiosityLinks links = quantiseLinks(values);
   EXPECT_LT(links.node.size() * 2, all.node.size());
   for (uint32_t row = 0; row < links.rows(); ++row) {

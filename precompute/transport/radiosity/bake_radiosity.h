@@ -25,6 +25,8 @@ struct RadiositySettings {
 Bytes makePatchBytes(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiositySettings& settings, int threads,
                      const CancelFlag* cancel);
 
+inline constexpr uint32_t kMostGateSets = 65536;
+
 /// What is known before rows are compressed.
 struct TrainedFactors {
   FormFactors factors;
@@ -42,6 +44,8 @@ class RadiosityBaker {
   const Sides& sides() const;
   const Patches& patches() const;
   const PatchTree& tree() const;
+  /// Rays through the scene's portals.
+  const GatedTracer& tracer() const;
 
   /// What the rays of patches [first, end) meet.
   Bytes hits(uint32_t first, uint32_t end) const;

@@ -1,8 +1,10 @@
 #include "precompute/transport/radiosity/links.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 namespace lightwell::transport {
 namespace {
@@ -12,6 +14,7 @@ using Vector = Eigen::RowVectorXf;  // one value per training light
 /// A link of the row that is being compressed, and what it gets wrong: its share of the row's irradiance under each light, as it is minus as it should be.
 struct Link {
   uint32_t node;
+  uint32_t set;
   float value;
   Vector error;
 };
@@ -32,15 +35,15 @@ RadiosityTraining::Matrix nodeRadiosity(const PatchTree& tree, const RadiosityTr
 // What the patches of a node have to see in common, as a share: across a wall nothing, through a door a few hundredths, within a room about all.
 constexpr float kSameSurroundings = 0.3f;
 
-constexpr int kBalanceSweeps = 16;
-constexpr double kMostGain = 2;  // of a sweep
-
 /// Compresses single rows.
 class RowMerger {
  public:
   RowMerger(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options)
       : factors_(factors), tree_(tree), training_(training), node_radiosity_(nodeRadiosity(tree, training.radiosity)), mergeable_(nodesThatSeeTheSame(factors, tree)),
-        options_(options), most_(options.link_error) {}
+        options_(options), most_(options.link_error) {
+    for (uint32_t set = 0; set < factors.sets.count(); ++set) class_.push_back(factors.sets.classOf(set));
+    for (size_t c = 0; c < kGateClasses; ++c) counts_[c] = training.counts(GateClass(c));
+  }
 
   std::vector<Link> links(uint32_t row) {
     begin(row);
@@ -58,17 +61,25 @@ class RowMerger {
     const Eigen::Index lights = training_.lights();
     scale_ = (training_.irradiance.row(row).array() + 0.1f).inverse().matrix();
     error_ = Vector::Zero(lights);
-    for (uint64_t i = factors_.first[row]; i < factors_.first[row + 1]; ++i)
-      if (factors_.value[i] > 0) links_.push_back({factors_.patch[i], factors_.value[i], Vector::Zero(lights)});
+    segments_.clear();
+    for (uint64_t i = factors_.first[row]; i < factors_.first[row + 1]; ++i) {
+      if (segments_.empty() || segments_.back().set != factors_.setOf(i)) segments_.push_back({factors_.setOf(i), i, i});
+      segments_.back().end = i + 1;
+      if (factors_.value[i] > 0) links_.push_back({factors_.patch[i], factors_.setOf(i), factors_.value[i], Vector::Zero(lights)});
+    }
   }
 
-  /// Whether the form factors of `node`, together `value`, spread over it as its area does, seen at its patches and at its children.
-  bool isEven(uint32_t node, uint32_t level, double value) const {
+  /// What links of a set bring under each training light, per radiosity of a node.
+  auto received(uint32_t set, uint32_t node) const { return node_radiosity_.row(node).cwiseProduct(counts_[size_t(class_[set])]); }
+
+  /// Whether the form factors of `node` through `set`, together `value`, spread over it as its area does, seen at its patches and at its children.
+  bool isEven(uint32_t node, uint32_t set, uint32_t level, double value) const {
     // Both ends' hits speak for a form factor, as a rule as many: half the variance of one end's.
     const double most2 = double(options_.uneven) * options_.uneven + 0.5 * value / options_.rays;
     const double per_area = value / tree_.area[node];
-    const auto all = std::span(factors_.patch).subspan(factors_.first[row_], factors_.first[row_ + 1] - factors_.first[row_]);
-    const float* values = &factors_.value[factors_.first[row_]];
+    const Segment& segment = *std::lower_bound(segments_.begin(), segments_.end(), set, [](const Segment& s, uint32_t wanted) { return s.set < wanted; });
+    const auto all = std::span(factors_.patch).subspan(segment.begin, segment.end - segment.begin);
+    const float* values = &factors_.value[segment.begin];
     const auto at = [&](uint32_t patch) { return size_t(std::lower_bound(all.begin(), all.end(), patch) - all.begin()); };
     const size_t begin = at(tree_.first_patch[node]), end = at(tree_.end_patch[node]);
     double deviation2 = 0, missed_area = tree_.area[node];
@@ -102,17 +113,19 @@ class RowMerger {
     std::vector<Candidate> candidates;
     uint32_t node = tree_.level_first[level];
     for (size_t begin = 0, end; begin < links_.size(); begin = end) {
+      const uint32_t set = links_[begin].set;
+      if (begin > 0 && set != links_[begin - 1].set) node = tree_.level_first[level];
       while (tree_.end_patch[node] <= tree_.first_patch[links_[begin].node]) ++node;
-      for (end = begin; end < links_.size() && tree_.first_patch[links_[end].node] < tree_.end_patch[node];) ++end;
+      for (end = begin; end < links_.size() && links_[end].set == set && tree_.first_patch[links_[end].node] < tree_.end_patch[node];) ++end;
       if (end - begin < 2 || !mergeable_[node]) continue;
-      Candidate candidate{node, begin, end, {node, 0.0f, Vector::Zero(training_.lights())}, 0.0f};
+      Candidate candidate{node, begin, end, {node, set, 0.0f, Vector::Zero(training_.lights())}, 0.0f};
       Link& merged = candidate.merged;
       for (size_t i = begin; i < end; ++i) {
         merged.value += links_[i].value;
-        merged.error += links_[i].error - links_[i].value * node_radiosity_.row(links_[i].node);
+        merged.error += links_[i].error - links_[i].value * received(set, links_[i].node);
       }
-      if (!isEven(node, level, merged.value)) continue;
-      merged.error += merged.value * node_radiosity_.row(node);
+      if (!isEven(node, set, level, merged.value)) continue;
+      merged.error += merged.value * received(set, node);
       candidate.cost = rms(merged.error) / float(end - begin - 1);
       candidates.push_back(std::move(candidate));
     }
@@ -138,37 +151,58 @@ class RowMerger {
   /// Every level may use a part of the error, so that the lowest does not spend it all.
   float shareOf(uint32_t level) const { return float(level) / float(tree_.levelCount()); }
 
-  /// Drops the smallest links while the error allows; the others take over what they carried.
+  /// Drops the smallest links while the error allows; the others of their class take over what they carried.
   void prune() {
     std::vector<size_t> order(links_.size());
     std::iota(order.begin(), order.end(), size_t(0));
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return links_[a].value < links_[b].value; });
-    double total = 0;
-    Vector received = Vector::Zero(training_.lights());
+    std::array<double, kGateClasses> total{}, left{};
+    std::array<size_t, kGateClasses> links{};
+    std::array<Vector, kGateClasses> brought;
+    brought.fill(Vector::Zero(training_.lights()));
     for (const Link& link : links_) {
-      total += link.value;
-      received += link.value * node_radiosity_.row(link.node);
+      const auto c = size_t(class_[link.set]);
+      total[c] += link.value;
+      ++links[c];
+      brought[c] += link.value * received(link.set, link.node);
     }
-    const Vector exact = received - error_;
-    double left = total;
-    size_t dropped = 0;
-    for (; dropped + 1 < order.size(); ++dropped) {
-      const Link& link = links_[order[dropped]];
-      const Vector rest = received - link.value * node_radiosity_.row(link.node);
-      const double rest_value = left - link.value;
-      if (rms(rest * float(total / rest_value) - exact) > most_ || rest_value < (1 - options_.prune) * total) break;
-      received = rest;
-      left = rest_value;
-    }
-    if (dropped == 0) return;
+    Vector exact = brought[0] - error_;
+    for (size_t c = 1; c < classes(); ++c) exact += brought[c];
+    left = total;
     std::vector<char> gone(links_.size(), 0);
-    for (size_t i = 0; i < dropped; ++i) gone[order[i]] = 1;
+    for (const size_t i : order) {
+      const Link& link = links_[i];
+      const auto of = size_t(class_[link.set]);
+      const double rest_value = left[of] - link.value;
+      if (links[of] < 2 || rest_value < (1 - options_.prune) * total[of]) {
+        if (classes() == 1) break;
+        continue;
+      }
+      const Vector rest = brought[of] - link.value * received(link.set, link.node);
+      Vector scaled = rest * float(total[of] / rest_value);
+      for (size_t c = 0; c < classes(); ++c)
+        if (c != of && left[c] > 0) scaled += brought[c] * float(total[c] / left[c]);
+      if (rms(scaled - exact) > most_) break;
+      brought[of] = rest;
+      left[of] = rest_value;
+      --links[of];
+      gone[i] = 1;
+    }
     std::vector<Link> kept;
     for (size_t i = 0; i < links_.size(); ++i)
       if (!gone[i]) kept.push_back(std::move(links_[i]));
-    for (Link& link : kept) link.value *= float(total / left);
+    if (kept.size() < links_.size())
+      for (Link& link : kept) link.value *= float(total[size_t(class_[link.set])] / left[size_t(class_[link.set])]);
     links_ = std::move(kept);
   }
+
+  size_t classes() const { return factors_.set.empty() ? 1 : kGateClasses; }
+
+  /// The factors of the row that have the same set.
+  struct Segment {
+    uint32_t set;
+    uint64_t begin, end;
+  };
 
   const FormFactors& factors_;
   const PatchTree& tree_;
@@ -177,10 +211,40 @@ class RowMerger {
   std::vector<char> mergeable_;  // per node
   LinkOptions options_;
   float most_;
+  std::vector<GateClass> class_;  // per set
+  std::array<Vector, kGateClasses> counts_;  // of training lights
   uint32_t row_ = 0;
+  std::vector<Segment> segments_;
   std::vector<Link> links_;
   Vector scale_, error_;  // of the row: one over its irradiance, and what its links get wrong together
 };
+
+/// Clears `same` of nodes whose patches cannot exchange light with all portals shut, not even by way of others, or depend on different gates.
+void keepPlacesApart(const FormFactors& factors, const PatchTree& tree, std::vector<char>& same) {
+  if (factors.set.empty()) return;
+  std::vector<uint32_t> parent(factors.rows());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto rootOf = [&](uint32_t patch) {
+    while (parent[patch] != patch) patch = parent[patch] = parent[parent[patch]];
+    return patch;
+  };
+  for (uint32_t row = 0; row < factors.rows(); ++row)
+    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i) {
+      const GateClass gates = factors.sets.classOf(factors.set[i]);
+      if (gates != GateClass::always && gates != GateClass::closed) continue;
+      const uint32_t a = rootOf(row), b = rootOf(factors.patch[i]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  using Place = std::pair<uint32_t, uint32_t>;  // of a patch: what it exchanges light with, and its gate
+  std::vector<Place> place(tree.nodeCount());
+  for (uint32_t patch = 0; patch < factors.rows(); ++patch) place[patch] = {rootOf(patch), factors.own_gate[patch]};
+  for (uint32_t node = tree.level_first[1]; node < tree.nodeCount(); ++node) {
+    const uint32_t index = node - tree.level_first[1], begin = tree.first_child[index];
+    place[node] = place[begin];
+    for (uint32_t child = begin; child < tree.first_child[index + 1]; ++child)
+      if (place[child] != place[begin]) same[node] = 0;
+  }
+}
 
 }  // namespace
 
@@ -192,8 +256,10 @@ std::vector<char> nodesThatSeeTheSame(const FormFactors& factors, const PatchTre
   // What every node sees, by larger nodes.
   RadiosityTraining::Matrix seen = RadiosityTraining::Matrix::Zero(tree.nodeCount(), Eigen::Index(tree.level_first[level + 1] - first_bin));
   for (uint32_t row = 0; row < factors.rows(); ++row)
-    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i) seen(row, bin_of_patch[factors.patch[i]]) += factors.value[i];
+    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i)
+      if (factors.setOf(i) == 0) seen(row, bin_of_patch[factors.patch[i]]) += factors.value[i];
   std::vector<char> same(tree.nodeCount(), 1);
+  keepPlacesApart(factors, tree, same);
   for (uint32_t node = tree.level_first[1]; node < tree.nodeCount(); ++node) {
     const uint32_t index = node - tree.level_first[1], begin = tree.first_child[index], end = tree.first_child[index + 1];
     for (uint32_t child = begin; child < end; ++child) seen.row(node) += seen.row(child) * tree.area[child];
@@ -213,75 +279,24 @@ void LinkValues::append(const LinkValues& other) {
   const uint32_t base = uint32_t(node.size());
   for (size_t row = 1; row < other.first.size(); ++row) first.push_back(base + other.first[row]);
   node.insert(node.end(), other.node.begin(), other.node.end());
+  set.insert(set.end(), other.set.begin(), other.set.end());
   value.insert(value.end(), other.value.begin(), other.value.end());
-}
-
-uint8_t linkCode(float weight) {
-  if (weight <= 16.0f) return 0;
-  int exponent = std::ilogb(weight) - 4;
-  int mantissa = int(std::lround(std::ldexp(weight, -exponent))) - 16;
-  if (mantissa == 16) mantissa = 0, ++exponent;
-  return exponent > 15 ? 255 : uint8_t(exponent << 4 | mantissa);
 }
 
 LinkValues makeLinks(const FormFactors& factors, const PatchTree& tree, const RadiosityTraining& training, const LinkOptions& options, uint32_t begin,
                      uint32_t end) {
   LinkValues result;
+  result.sets = factors.sets;
   RowMerger merger(factors, tree, training, options);
   for (uint32_t row = begin; row < end; ++row) {
     std::vector<Link> links = merger.links(row);
-    std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.node < b.node; });
+    std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.set != b.set ? a.set < b.set : a.node < b.node; });
     for (const Link& link : links) {
       result.node.push_back(link.node);
+      if (!factors.set.empty()) result.set.push_back(link.set);
       result.value.push_back(link.value);
     }
     result.first.push_back(uint32_t(result.node.size()));
-  }
-  return result;
-}
-
-void balanceLinks(const PatchTree& tree, LinkValues& links) {
-  const uint32_t patches = links.rows(), nodes = tree.nodeCount();
-  std::vector<double> row_sum(patches, 0.0);
-  for (uint32_t row = 0; row < patches; ++row)
-    for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) row_sum[row] += links.value[l];
-  for (int sweep = 0; sweep < kBalanceSweeps; ++sweep) {
-    // What all patches together receive per area of each node's surface, at the node and from the nodes above it.
-    std::vector<double> density(nodes, 0.0), gain(nodes, 0.0);
-    for (uint32_t row = 0; row < patches; ++row)
-      for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) density[links.node[l]] += double(tree.area[row]) * links.value[l] / tree.area[links.node[l]];
-    for (uint32_t node = nodes; node-- > patches;)
-      for (uint32_t child = tree.first_child[node - patches]; child < tree.first_child[node - patches + 1]; ++child) density[child] += density[node];
-    for (uint32_t patch = 0; patch < patches; ++patch)
-      gain[patch] = density[patch] > 0 ? std::clamp(row_sum[patch] / density[patch], 1 / kMostGain, kMostGain) : 1.0;
-    for (uint32_t node = patches; node < nodes; ++node) {
-      for (uint32_t child = tree.first_child[node - patches]; child < tree.first_child[node - patches + 1]; ++child) gain[node] += gain[child] * tree.area[child];
-      gain[node] /= tree.area[node];
-    }
-    for (uint32_t row = 0; row < patches; ++row) {
-      double sum = 0;
-      for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) sum += links.value[l] * gain[links.node[l]];
-      for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) links.value[l] = float(links.value[l] * gain[links.node[l]] * (row_sum[row] / sum));
-    }
-  }
-}
-
-RadiosityLinks quantiseLinks(const LinkValues& links) {
-  RadiosityLinks result;
-  result.first = links.first;
-  result.node = links.node;
-  for (uint32_t row = 0; row < links.rows(); ++row) {
-    double sum = 0, largest = 0;
-    for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) {
-      sum += links.value[l];
-      largest = std::max(largest, double(links.value[l]));
-    }
-    uint64_t codes = 0;
-    for (uint32_t l = links.first[row]; l < links.first[row + 1]; ++l) {
-      result.code.push_back(linkCode(float(links.value[l] / largest * linkWeight(255))));
-      codes += linkWeight(result.code.back());
-    }
-    result.row_scale.push_back(codes ? float(sum / double(codes)) : 0.0f);
   }
   return result;
 }

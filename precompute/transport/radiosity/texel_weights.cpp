@@ -25,6 +25,7 @@ TexelWeights makeTexelWeights(const atlas::Atlas& atlas, const Sides& sides, con
       if (other_slot == kNone || atlas.slots[other_slot].chart != slot.chart) return kNone;
       const uint32_t other = patches.patch_of_side[other_slot];
       if (other == kNone || patches.material[other] != patches.material[own] || patches.normal[other].dot(patches.normal[own]) < kLeastCosine) return kNone;
+      if (!patches.zone.empty() && !mayMix(patches.zone[own], patches.zone[other])) return kNone;  // not through a shut door
       return other;
     };
     const float x = (float(texel_x) + 0.5f) / float(k) - 0.5f, y = (float(texel_y) + 0.5f) / float(k) - 0.5f;

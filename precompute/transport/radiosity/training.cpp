@@ -14,14 +14,28 @@ constexpr float kSealedPocket = 0.02f;  // of the median light's mean irradiance
 
 using Matrix = RadiosityTraining::Matrix;
 
-Matrix gather(const FormFactors& factors, const Matrix& radiosity) {
+Matrix gather(const FormFactors& factors, const std::vector<char>& open, const Matrix& radiosity) {
   Matrix irradiance = Matrix::Zero(factors.rows(), radiosity.cols());
   for (uint32_t row = 0; row < factors.rows(); ++row)
-    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i) irradiance.row(row) += factors.value[i] * radiosity.row(factors.patch[i]);
+    for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i) {
+      const GateClass gates = factors.sets.classOf(factors.setOf(i));
+      if (gates == GateClass::always) {
+        irradiance.row(row) += factors.value[i] * radiosity.row(factors.patch[i]);
+      } else if (gates != GateClass::mixed) {
+        for (Eigen::Index light = 0; light < radiosity.cols(); ++light)
+          if (bool(open[size_t(light)]) == (gates == GateClass::open)) irradiance(row, light) += factors.value[i] * radiosity(factors.patch[i], light);
+      }
+    }
   return irradiance;
 }
 
 }  // namespace
+
+Eigen::RowVectorXf RadiosityTraining::counts(GateClass c) const {
+  Eigen::RowVectorXf result = Eigen::RowVectorXf::Ones(lights());
+  for (size_t light = 0; c != GateClass::always && light < open.size(); ++light) result[Eigen::Index(light)] = bool(open[light]) == (c != GateClass::closed);
+  return result;
+}
 
 std::vector<float> patchIrradiance(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides,
                                    const Patches& patches, const scene::Light& light, uint64_t seed) {
@@ -65,9 +79,11 @@ RadiosityTraining trainRadiosity(const Patches& patches, const FormFactors& fact
     area[patch] = patches.area[patch];
     for (size_t light = 0; light < direct.size(); ++light) first(patch, Eigen::Index(light)) = direct[light][patch];
   }
+  std::vector<char> open;
+  for (uint32_t light = 0; !patches.zone.empty() && light < direct.size(); ++light) open.push_back(isTrainedOpen(light));
   Matrix radiosity = albedo.asDiagonal() * first, irradiance;
   for (int bounce = 0; bounce < kBounces; ++bounce) {
-    irradiance = gather(factors, radiosity);
+    irradiance = gather(factors, open, radiosity);
     radiosity = albedo.asDiagonal() * (first + irradiance);
   }
   const Eigen::VectorXd mean = (irradiance.cast<double>().transpose() * area) / std::max(area.sum(), 1e-30);
@@ -78,8 +94,9 @@ RadiosityTraining trainRadiosity(const Patches& patches, const FormFactors& fact
     if (mean[light] > 0 && mean[light] >= kSealedPocket * sorted[sorted.size() / 2]) kept.push_back(light);
   RadiosityTraining training;
   if (kept.empty()) {
-    training.radiosity = Matrix::Ones(patches.count(), 1);
-    training.irradiance = gather(factors, training.radiosity);
+    training.radiosity = Matrix::Ones(patches.count(), patches.zone.empty() ? 1 : 2);
+    if (!patches.zone.empty()) training.open = {0, 1};
+    training.irradiance = gather(factors, training.open, training.radiosity);
     return training;
   }
   training.radiosity.resize(patches.count(), Eigen::Index(kept.size()));
@@ -88,6 +105,7 @@ RadiosityTraining trainRadiosity(const Patches& patches, const FormFactors& fact
     const float scale = float(1.0 / mean[kept[i]]);
     training.radiosity.col(Eigen::Index(i)) = radiosity.col(kept[i]) * scale;
     training.irradiance.col(Eigen::Index(i)) = irradiance.col(kept[i]) * scale;
+    if (!open.empty()) training.open.push_back(open[size_t(kept[i])]);
   }
   return training;
 }
