@@ -9,7 +9,7 @@ namespace lightwell::format {
 namespace {
 
 constexpr const char* kSection = "probes";
-constexpr uint64_t kNearnessNodes = 81, kMostLatticePoints = uint64_t(1) << 22, kMostProbes = uint64_t(1) << 22;
+constexpr uint64_t kNearnessNodes = 289, kMostLatticePoints = uint64_t(1) << 22, kMostProbes = uint64_t(1) << 22;
 
 double linkWeight(uint8_t code) { return double((16u + (code & 15u)) << (code >> 4)); }
 

@@ -7,7 +7,7 @@ namespace lightwell::runtime {
 
 inline constexpr uint32_t kProbeBrick = 4;        // lattice points along a brick
 inline constexpr uint32_t kBrickPoints = 64;
-inline constexpr uint32_t kNearnessCells = 8, kNearnessNodes = 81;
+inline constexpr uint32_t kNearnessCells = 16, kNearnessNodes = 289;
 inline constexpr uint32_t kMostProbes = 1u << 22;
 inline constexpr uint32_t kProbeCorners = 8;
 
@@ -37,7 +37,7 @@ struct lw_probes {
   Array<float> position_m;               // [probes][3]
   Array<uint32_t> brick;                 // [bricks]: first of 64 entries in brick_probe, or none
   Array<uint32_t> brick_probe;           // [bricks with probes][64]: a probe, or none
-  Array<uint8_t> nearness;               // [lattice probes][81]
+  Array<uint8_t> nearness;               // [lattice probes][289]
 
   Array<lightwell::runtime::ProbeLink> link;
   Array<uint32_t> first_run;             // [probes + 1]

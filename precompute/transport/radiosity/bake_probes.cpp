@@ -55,6 +55,7 @@ Bytes ProbeBaker::hits(uint32_t first, uint32_t end) const {
   writer.array(hits.patch);
   writer.array(hits.count);
   writer.array(hits.direction);
+  writer.array(hits.moments);
   return writer.take();
 }
 
@@ -65,8 +66,9 @@ Bytes ProbeBaker::links(uint32_t first, ByteView bytes, ByteView trained) const 
   hits.patch = reader.array<uint32_t>();
   hits.count = reader.array<uint32_t>();
   hits.direction = reader.array<Vec3>();
+  hits.moments = reader.array<std::array<float, 9>>();
   requireRows(hits.first, hits.patch.size());
-  require(hits.count.size() == hits.patch.size() && hits.direction.size() == hits.patch.size());
+  require(hits.count.size() == hits.patch.size() && hits.direction.size() == hits.patch.size() && hits.moments.size() + 1 == hits.first.size());
   for (const uint32_t patch : hits.patch) require(patch < radiosity_.patchCount());
   require(first + hits.first.size() - 1 <= probes_.count());
   const auto [factors, training] = radiosity_.readTrained(trained);

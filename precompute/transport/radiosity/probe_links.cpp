@@ -12,7 +12,8 @@ namespace {
 
 constexpr uint64_t kProbeStream = 7ull << 40;
 constexpr float kFaintest = 0.1f;         // of the scene's mean irradiance: darker probes need not be relatively as exact
-constexpr double kMostCorrection = 0.5;   // of a link's value
+constexpr int kCorrectionSteps = 6;
+constexpr double kMostCorrection = 0.7;   // of a link's logarithm in a step
 
 using Errors = Eigen::ArrayXf;            // [light][harmonic], as parts of irradiance
 
@@ -160,31 +161,31 @@ class ProbeMerger {
   float unmerged_ = 0;  // what the directions of patches close by get wrong, merged or not
 };
 
-/// Links have one direction each, which bends the harmonics of light from all around a little. Changes the values as little as can be (Σ (change / value)² · value least)
-/// until even light gives just what the rays found of it: the same from all sides in a closed room.
-void keepEvenLightEven(const ProbeMerger& merger, std::vector<Link>& links, const std::array<double, kHarmonics>& moments) {
-  Eigen::Matrix<double, kHarmonics, kHarmonics> gram = Eigen::Matrix<double, kHarmonics, kHarmonics>::Zero();
-  Eigen::Matrix<double, kHarmonics, 1> missing;
-  for (int k = 0; k < kHarmonics; ++k) missing[k] = moments[size_t(k)];
+/// Links have one direction each, which bends the harmonics of light from all around a little. Changes the values as little as can be (least relative entropy: each by a factor
+/// exp(Σ λ_k Y_k)) until even light gives just what the rays found of it: the same from all sides in a closed room. Newton's method on the nine λ.
+void keepEvenLightEven(const ProbeMerger& merger, std::vector<Link>& links, const std::array<float, kHarmonics>& moments) {
+  using Moments = Eigen::Matrix<double, kHarmonics, 1>;
+  std::vector<Moments> basis;
+  double sum = 0;
   for (const Link& link : links) {
     const auto y = sphericalHarmonics(merger.wayTo(link.node));
-    for (int i = 0; i < kHarmonics; ++i) {
-      missing[i] -= double(link.value) * double(y[size_t(i)]);
-      for (int j = 0; j < kHarmonics; ++j) gram(i, j) += double(link.value) * double(y[size_t(i)]) * double(y[size_t(j)]);
-    }
-  }
-  // The least bit of damping: few links cannot have nine moments.
-  gram.diagonal().array() += 1e-6 * gram.trace();
-  const Eigen::Matrix<double, kHarmonics, 1> weight = gram.ldlt().solve(missing);
-  double sum = 0, corrected = 0;
-  for (Link& link : links) {
+    basis.push_back(Eigen::Map<const Eigen::Matrix<float, kHarmonics, 1>>(y.data()).cast<double>());
     sum += link.value;
-    const auto y = sphericalHarmonics(merger.wayTo(link.node));
-    double change = 0;
-    for (int k = 0; k < kHarmonics; ++k) change += weight[k] * double(y[size_t(k)]);
-    link.value *= float(1 + std::clamp(change, -kMostCorrection, kMostCorrection));
-    corrected += link.value;
   }
+  const Moments wanted = Eigen::Map<const Eigen::Matrix<float, kHarmonics, 1>>(moments.data()).cast<double>();
+  for (int step = 0; step < kCorrectionSteps; ++step) {
+    Eigen::Matrix<double, kHarmonics, kHarmonics> gram = Eigen::Matrix<double, kHarmonics, kHarmonics>::Zero();
+    Moments missing = wanted;
+    for (size_t i = 0; i < links.size(); ++i) {
+      missing -= double(links[i].value) * basis[i];
+      gram += double(links[i].value) * basis[i] * basis[i].transpose();
+    }
+    gram.diagonal().array() += 1e-9 + 1e-6 * gram.trace();  // few links cannot have nine moments
+    const Moments lambda = gram.ldlt().solve(missing);
+    for (size_t i = 0; i < links.size(); ++i) links[i].value *= float(std::exp(std::clamp(lambda.dot(basis[i]), -kMostCorrection, kMostCorrection)));
+  }
+  double corrected = 0;
+  for (const Link& link : links) corrected += link.value;
   for (Link& link : links) link.value *= float(sum / corrected);
 }
 
@@ -196,6 +197,7 @@ void ProbeHits::append(const ProbeHits& other) {
   patch.insert(patch.end(), other.patch.begin(), other.patch.end());
   count.insert(count.end(), other.count.begin(), other.count.end());
   direction.insert(direction.end(), other.direction.begin(), other.direction.end());
+  moments.insert(moments.end(), other.moments.begin(), other.moments.end());
 }
 
 void ProbeLinkValues::append(const ProbeLinkValues& other) {
@@ -221,7 +223,10 @@ ProbeHits countProbeHits(const scene::Scene& scene, const atlas::Atlas& atlas, c
       if (side != kNone && patches.patch_of_side[side] != kNone) met.emplace_back(patches.patch_of_side[side], i);
     }
     std::sort(met.begin(), met.end());
+    std::array<double, kHarmonics> moments{};
     for (const auto& [patch, ray] : met) {
+      const auto y = sphericalHarmonics(list[ray].direction);
+      for (size_t k = 0; k < kHarmonics; ++k) moments[k] += double(y[k]) / rays;
       if (result.patch.size() == result.first.back() || result.patch.back() != patch) {
         result.patch.push_back(patch);
         result.count.push_back(0);
@@ -231,6 +236,7 @@ ProbeHits countProbeHits(const scene::Scene& scene, const atlas::Atlas& atlas, c
       result.direction.back() += list[ray].direction;
     }
     result.first.push_back(result.patch.size());
+    std::copy(moments.begin(), moments.end(), result.moments.emplace_back().begin());
   }
   return result;
 }
@@ -250,13 +256,8 @@ ProbeLinkValues makeProbeLinks(const ProbeHits& hits, std::span<const Vec3> posi
   ProbeLinkValues result;
   ProbeMerger merger(hits, positions, surroundings, training, options);
   for (uint32_t probe = 0; probe + 1 < hits.first.size(); ++probe) {
-    std::array<double, kHarmonics> moments{};
-    for (uint64_t i = hits.first[probe]; i < hits.first[probe + 1]; ++i) {
-      const auto y = sphericalHarmonics(unit(hits.direction[i]));
-      for (size_t k = 0; k < kHarmonics; ++k) moments[k] += double(hits.count[i]) / options.rays * double(y[k]);
-    }
     std::vector<Link> links = merger.links(probe);
-    keepEvenLightEven(merger, links, moments);
+    keepEvenLightEven(merger, links, hits.moments[probe]);
     std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.node < b.node; });
     for (const Link& link : links) {
       result.node.push_back(link.node);

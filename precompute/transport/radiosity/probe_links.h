@@ -1,6 +1,7 @@
 // What probes receive from the patches, as few links: shares of the sphere, from which the runtime makes spherical harmonics. A link's direction need not be stored: it is the
 // way to the middle of its node.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,6 +17,7 @@ struct ProbeHits {
   std::vector<uint32_t> patch;        // ascending within a probe
   std::vector<uint32_t> count;
   std::vector<Vec3> direction;        // sum of the rays' unit directions
+  std::vector<std::array<float, 9>> moments;  // per probe: Σ Y over its rays that met patches, over the number of rays
   /// Appends another's probes.
   void append(const ProbeHits& other);
 };

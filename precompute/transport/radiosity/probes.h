@@ -22,7 +22,7 @@ struct ProbeLattice {
 };
 
 inline constexpr uint64_t kMostLatticePoints = uint64_t(1) << 22;
-inline constexpr int kNearnessCells = 8;                                          // along a side of the octahedral square
+inline constexpr int kNearnessCells = 16;                                         // along a side of the octahedral square
 inline constexpr int kNearnessNodes = (kNearnessCells + 1) * (kNearnessCells + 1);  // row by row, from (−1, −1)
 /// A probe may lie this far from its lattice point along each axis, in spacings, in steps of 1 / 254.
 inline constexpr float kMostProbeOffset = 0.5f;
