@@ -7,6 +7,7 @@
 #include "tests/format/content.h"
 #include "tests/format/environment_content.h"
 #include "tests/format/forge.h"
+#include "tests/format/probes_content.h"
 #include "tests/format/radiosity_content.h"
 
 namespace lightwell::format {
@@ -86,7 +87,8 @@ std::vector<GoldenFile> validFiles() {
           {"valid/environment.lwc", toWriter(environmentContent()).bytes()},
           {"valid/sky_panes.lwc", toWriter(skyPanesContent()).bytes()},
           {"valid/radiosity.lwc", toWriter(radiosityContent()).bytes()},
-          {"valid/radiosity_portals.lwc", toWriter(portalsContent()).bytes()}};
+          {"valid/radiosity_portals.lwc", toWriter(portalsContent()).bytes()},
+          {"valid/probes.lwc", toWriter(probesContent()).bytes()}};
 }
 
 std::vector<GoldenFile> invalidFiles() {
@@ -183,6 +185,12 @@ std::vector<GoldenFile> invalidFiles() {
   RadiosityContent gate = portalsContent();
   gate.gate_set[0] = 4;
   add("bad_section.radiosity_gate", toWriter(gate).bytes());
+  ProbesContent lattice = probesContent();
+  lattice.lattice_point[2] = 8;
+  add("bad_section.probes_lattice", toWriter(lattice).bytes());
+  ProbesContent link = probesContent();
+  link.link_node[1] = 11;
+  add("bad_section.probes_node", toWriter(link).bytes());
   Content missing = panesContent();
   missing.left_out = {"atlas/source"};
   add("bad_section.chunk_missing", toWriter(missing).bytes());
