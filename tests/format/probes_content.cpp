@@ -29,8 +29,7 @@ ProbesContent probesContent() {
   return c;
 }
 
-Writer toWriter(const ProbesContent& c) {
-  Writer writer = toWriter(c.base);
+void addProbes(Writer& writer, const ProbesContent& c) {
   const auto array = [&]<class T>(const char* name, const std::vector<T>& values, std::initializer_list<uint64_t> shape = {}) {
     if (!c.left_out.contains(name)) writer.add("probes", name, values, shape);
   };
@@ -49,6 +48,11 @@ Writer toWriter(const ProbesContent& c) {
     array("gate_set_first", c.gate_set_first);
     array("gate_set", c.gate_set);
   }
+}
+
+Writer toWriter(const ProbesContent& c) {
+  Writer writer = toWriter(c.base);
+  addProbes(writer, c);
   return writer;
 }
 

@@ -17,6 +17,8 @@ struct ProbesContent {
 };
 
 ProbesContent probesContent();
+/// The section alone.
+void addProbes(Writer& writer, const ProbesContent& content);
 Writer toWriter(const ProbesContent& content);
 
 }  // namespace lightwell::format
