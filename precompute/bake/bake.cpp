@@ -84,7 +84,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   }
   std::optional<transport::RadiosityResult> radiosity;
   if (plan.radiosity) {
-    radiosity = parts.radiosity->assemble(viewsOf(parts.radiosity_links.of(in)));
+    radiosity = parts.radiosity->assemble(viewsOf(parts.radiosity_links.of(in)), context.threads(), &in.cancel);
     if (const auto measured = measureRadiosity(context, *radiosity, parts.references.of(in)))
       addError(meta, "radiosity", measured->relrmse, measured->texrel, measured->bias, measured->against);
     in.cancel.check();

@@ -19,11 +19,11 @@ transport::RadiositySettings radiositySettings(const plan::Settings& settings) {
   radiosity.seed = settings.seed;
   switch (settings.quality) {
     case plan::Quality::draft:
-      radiosity.rays = 256, radiosity.training_lights = 16, radiosity.patches.most = 4000;
+      radiosity.rays = 256, radiosity.training_lights = 16, radiosity.patches.most = 4000, radiosity.patches.coarsest = 4;
       radiosity.links.link_error = 0.06f, radiosity.links.uneven = 0.003f;
       break;
     case plan::Quality::preview:
-      radiosity.rays = 768, radiosity.training_lights = 32, radiosity.patches.most = 8000;
+      radiosity.rays = 768, radiosity.training_lights = 32, radiosity.patches.most = 8000, radiosity.patches.coarsest = 4;
       radiosity.links.link_error = 0.04f, radiosity.links.uneven = 0.002f;
       break;
     case plan::Quality::production: break;  // the estimator's defaults

@@ -38,7 +38,7 @@ RadiosityResult bake(const Prepared& p, const RadiositySettings& settings, uint3
   const auto direct = stage(baker.trainingLightCount(), [&](uint32_t a, uint32_t b) { return baker.direct(a, b); });
   const Bytes trained = baker.train(views(hits), views(direct));
   const auto links = stage(baker.patchCount(), [&](uint32_t a, uint32_t b) { return baker.links(a, b, trained); });
-  return baker.assemble(views(links));
+  return baker.assemble(views(links), threads, nullptr);
 }
 
 std::vector<Rgb> emittedRadiosity(const Patches& patches) {
@@ -136,7 +136,7 @@ TEST(Radiosity, PatchesAreSmallWhereThingsAreNearAndKeepToTheirMaterial) {
   const Prepared p(roomWithBox(), 128);
   const Sides sides = surfaceSides(p.atlas);
   const auto exposed = exposedShare(p.scene, p.atlas, *p.tracer, sides, 1, 2, nullptr);
-  const Patches patches = makePatches(p.scene, p.atlas, *p.tracer, sides, exposed, {});
+  const Patches patches = makePatches(p.scene, p.atlas, *p.tracer, sides, exposed, {.coarsest = 4});
   double near_texels = 0, near = 0, far_texels = 0, far = 0;
   double area = 0;
   for (uint32_t i = 0; i < patches.count(); ++i) {
@@ -152,7 +152,7 @@ TEST(Radiosity, PatchesAreSmallWhereThingsAreNearAndKeepToTheirMaterial) {
   EXPECT_GT(far_texels / far, 2.5);
   EXPECT_NEAR(area, 2 * (64 + 48 + 48) - 4 + 5 * 4, 0.3);
   // A budget is kept, as far as the coarsest squares allow.
-  const Patches few = makePatches(p.scene, p.atlas, *p.tracer, sides, exposed, {.most = 900});
+  const Patches few = makePatches(p.scene, p.atlas, *p.tracer, sides, exposed, {.coarsest = 4, .most = 900});
   EXPECT_LE(few.count(), 950u);
   EXPECT_LT(few.count(), patches.count());
 }

@@ -237,7 +237,7 @@ Bytes RadiosityBaker::links(uint32_t first, uint32_t end, ByteView trained) cons
   return writer.take();
 }
 
-RadiosityResult RadiosityBaker::assemble(std::span<const ByteView> links) const {
+RadiosityResult RadiosityBaker::assemble(std::span<const ByteView> links, int threads, const CancelFlag* cancel) const {
   RadiosityResult result;
   result.patches = impl_->patches;
   result.tree = impl_->tree;
@@ -265,7 +265,7 @@ RadiosityResult RadiosityBaker::assemble(std::span<const ByteView> links) const 
                      std::to_string(kMostGateSets) + ": give them fewer strips");
   balanceLinks(impl_->gated_tracer->zones(), impl_->patches, impl_->tree, values);
   result.links = quantiseLinks(values);
-  const TexelWeights weights = makeTexelWeights(impl_->atlas, impl_->sides, impl_->patches);
+  const TexelWeights weights = makeTexelWeights(impl_->atlas, impl_->tracer, impl_->sides, impl_->patches, impl_->tree, threads, cancel);
   bool has_backs = false;
   for (const uint32_t slot : weights.slot) {
     result.texel.push_back(impl_->atlas.slots[slot].texel);

@@ -58,7 +58,7 @@ class RadiosityBaker {
   /// The compressed rows of patches [first, end).
   Bytes links(uint32_t first, uint32_t end, ByteView trained) const;
   /// Joins, balances and rounds the links (in range order). This and the stages before throw std::runtime_error for inputs that no stage wrote.
-  RadiosityResult assemble(std::span<const ByteView> links) const;
+  RadiosityResult assemble(std::span<const ByteView> links, int threads, const CancelFlag* cancel) const;
 
  private:
   struct Impl;

@@ -32,10 +32,10 @@ struct Patches {
 };
 
 struct PatchOptions {
-  uint32_t coarsest = 4;      // texels along a square where nothing is near: a power of two, 1 to 64
+  uint32_t coarsest = 2;      // texels along a square where nothing is near: a power of two, 1 to 64
   uint32_t finest = 1;        // where things are as near as a square is wide: a power of two, at most the coarsest
   float near_share = 0.1f;    // a square is quartered where more than this share of what it sees is nearer than twice its own extent
-  uint32_t most = 16000;      // patches, about: where they do not suffice, the squares that see most things near come first
+  uint32_t most = 24000;      // patches, about: where they do not suffice, the squares that see most things near come first
   uint64_t seed = 1;
   int threads = 0;
   const CancelFlag* cancel = nullptr;

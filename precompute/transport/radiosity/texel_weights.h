@@ -1,4 +1,4 @@
-// From patches to texels: which patches a texel of the light map shows, interpolated within its chart.
+// From patches to texels: which patches a texel of the light map shows, interpolated along the surface.
 #pragma once
 #include <array>
 #include <vector>
@@ -14,8 +14,9 @@ struct TexelWeights {
   std::vector<std::array<float, 4>> weight;
 };
 
-/// Bilinear between the squares of the own patch's size around a texel, as far as they are of its chart and its material; patches of other orientation than
-/// its own do not mix in either.
-TexelWeights makeTexelWeights(const atlas::Atlas& atlas, const Sides& sides, const Patches& patches);
+/// Bilinear between four squares of one size where they are all there. Elsewhere, at the borders of charts and of finer squares, linear in the triangle of
+/// patches around the texel that Delaunay would choose, wherever in the light map they lie: patches that continue the texel's surface with nothing in between.
+TexelWeights makeTexelWeights(const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, const Patches& patches, const PatchTree& tree,
+                              int threads, const CancelFlag* cancel);
 
 }  // namespace lightwell::transport
