@@ -47,6 +47,7 @@ GateSets sortSets(const GateSets& sets, std::vector<uint32_t>& used) {
     if (number[set]) order.push_back(set);
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return std::ranges::lexicographical_compare(sets[a], sets[b]); });
   GateSets sorted;
+  number[0] = 0;
   for (const uint32_t set : order) number[set] = sorted.number(sets[set]);
   for (uint32_t& set : used) set = number[set];
   return sorted;

@@ -120,10 +120,12 @@ GateEntry PortalZones::entryAt(const PortalZone& zone, const Vec3& point) const 
   const auto gateIn = [&](size_t portal) { return first_gate_[portal] + scene_.portals[portal].strip(point); };
   if (zone.kind == PortalZone::leaf) return closedGate(gateIn(zone.portal));
   if (zone.kind == PortalZone::threshold) return openGate(gateIn(zone.portal));
-  // At the border of texels a point may be found in the one beyond it.
+  // What a leaf stands on is inside of it; and at the border of texels a point may be found in the one beyond it.
   for (const int32_t near : zone.near) {
     const auto portal = size_t(std::abs(near) - 1);
-    if ((leaf_[portal].across(point) < 0) != (near < 0) && leaf_[portal].isIn(point, 0)) return openGate(gateIn(portal));
+    const Leaf& leaf = leaf_[portal];
+    const double outside = leaf.across(point) * (near < 0 ? -1 : 1);
+    if (outside < leaf.thickness * (0.5 - kTolerance) && leaf.isIn(point, 0)) return openGate(gateIn(portal));
   }
   return kNoEntry;
 }
