@@ -37,6 +37,7 @@ struct lw_probes {
   Array<float> position_m;               // [probes][3]
   Array<uint32_t> brick;                 // [bricks]: first of 64 entries in brick_probe, or none
   Array<uint32_t> brick_probe;           // [bricks with probes][64]: a probe, or none
+  Array<uint32_t> offset_biased;         // [lattice probes]: three bytes from the lowest, offset + 128
   Array<uint8_t> nearness;               // [lattice probes][289]
 
   Array<lightwell::runtime::ProbeLink> link;

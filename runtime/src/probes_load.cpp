@@ -97,7 +97,7 @@ class Loader {
     if (!decode("lattice_point", ElementType::u32, on_lattice, point)) return;
     const auto nx = uint32_t(h.lattice_count[0]), ny = uint32_t(h.lattice_count[1]), nz = uint32_t(h.lattice_count[2]);
     const size_t bricks = size_t(p_.brick_count[0]) * p_.brick_count[1] * p_.brick_count[2];
-    if (!allocate(p_.brick, bricks)) return;
+    if (!allocate(p_.brick, bricks) || !allocate(p_.offset_biased, on_lattice)) return;
     std::memset(p_.brick.data(), 0xff, p_.brick.bytes());
     size_t used = 0;
     for (size_t i = 0; i < on_lattice; ++i) {
@@ -110,8 +110,11 @@ class Loader {
     for (size_t i = 0; i < on_lattice; ++i) {
       const uint32_t at[3] = {point[i] % nx, point[i] / nx % ny, point[i] / nx / ny};
       p_.brick_probe[p_.brick[brickOf(point[i], nx, ny)] + (at[0] % 4 + 4 * (at[1] % 4 + 4 * (at[2] % 4)))] = uint32_t(i);
-      for (int k = 0; k < 3; ++k)
+      p_.offset_biased[i] = 0;
+      for (int k = 0; k < 3; ++k) {
+        p_.offset_biased[i] |= uint32_t(offset[i * 3 + size_t(k)] + 128) << (8 * k);
         p_.position_m[i * 3 + size_t(k)] = h.lattice_first_m[k] + h.lattice_spacing_m * (float(at[k]) + float(offset[i * 3 + size_t(k)]) / 254.0f);
+      }
     }
   }
   size_t brickOf(uint32_t point, uint32_t nx, uint32_t ny) const {

@@ -30,6 +30,8 @@ struct lw_radiosity {
   using Array = lightwell::runtime::Array<T>;
   struct Portal {
     uint32_t name, first_gate, strips;  // name: into `names`
+    uint32_t first_triangle, triangles;
+    float axis_per_m[3], offset;        // s(p) = axis · p + offset: where a leaf opens first 0, last 1
   };
 
   lightwell::runtime::Host host;

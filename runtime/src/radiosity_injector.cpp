@@ -125,6 +125,24 @@ lw_result loadAlpha(const lw_container* container, const Array<uint8_t>& flags, 
   return LW_OK;
 }
 
+/// The leaves of the portals, all shut.
+lw_result loadLeaves(const lw_container* container, const lw_radiosity& r, Surfaces& surfaces) {
+  size_t leaves = 0, end = 0;
+  for (const auto& portal : r.portal) leaves += portal.triangles > 0;
+  if (!surfaces.leaf.allocate(container->host, leaves) || !surfaces.gate_open.allocate(container->host, r.gates))
+    return container->host.fail(LW_OUT_OF_MEMORY, "no memory for %zu leaves", leaves);
+  std::fill(surfaces.gate_open.begin(), surfaces.gate_open.end(), 0.0f);
+  leaves = 0;
+  for (const auto& p : r.portal) {
+    if (!p.triangles) continue;
+    if (p.first_triangle < end || uint64_t(p.first_triangle) + p.triangles > surfaces.triangles())
+      return container->host.fail(LW_BAD_SECTION, "radiosity/header: triangles of a portal are another's or not in the geometry");
+    end = size_t(p.first_triangle) + p.triangles;
+    surfaces.leaf[leaves++] = {p.first_triangle, p.triangles, {p.axis_per_m[0], p.axis_per_m[1], p.axis_per_m[2]}, p.offset, p.first_gate, p.strips};
+  }
+  return LW_OK;
+}
+
 lw_result load(const lw_container* container, uint32_t side, lw_radiosity_injector& i) {
   const lw_radiosity& r = *i.radiosity;
   lw_result result = decode(container, LW_ARRAY_POSITION, i.surfaces.position_m);
@@ -132,6 +150,7 @@ lw_result load(const lw_container* container, uint32_t side, lw_radiosity_inject
   if (!result) result = decode(container, LW_ARRAY_LIGHTMAP_UV, i.lightmap_uv);
   if (!result) result = decode(container, LW_ARRAY_TRIANGLE_FLAGS, i.flags);
   if (!result) result = loadAlpha(container, i.flags, i.surfaces.alpha);
+  if (!result) result = loadLeaves(container, r, i.surfaces);
   if (result) return result;
   const size_t vertices = i.surfaces.position_m.size() / 3;
   if (i.lightmap_uv.size() != vertices * 2 || i.flags.size() != i.surfaces.triangles() ||
@@ -172,6 +191,13 @@ lw_result lw_radiosity_injector_create(const lw_container* container, const lw_r
 }
 
 void lw_radiosity_injector_destroy(lw_radiosity_injector* injector) { destroyHandle(injector); }
+
+lw_result lw_radiosity_injector_set_portals(lw_radiosity_injector* injector, const lw_radiosity_state* state) {
+  if (!injector || !state) return LW_INVALID_ARGUMENT;
+  if (state->gate_open.size() != injector->surfaces.gate_open.size()) return injector->host.fail(LW_INVALID_ARGUMENT, "the state is of other form factors");
+  std::copy(state->gate_open.begin(), state->gate_open.end(), injector->surfaces.gate_open.begin());
+  return LW_OK;
+}
 
 lw_result lw_radiosity_inject(lw_radiosity_injector* injector, const lw_light* lights, uint32_t light_count, float* irradiance_rgb) {
   if (!injector || !irradiance_rgb || (light_count && !lights)) return LW_INVALID_ARGUMENT;

@@ -94,7 +94,10 @@ class Loader {
     for (size_t i = 0; i < portals.size(); ++i) {
       if (portals[i].first_gate != r_.gates || !portals[i].strips || portals[i].strips > kMostGates - r_.gates)
         return void(bad("header", "the gates of its portals cannot be"));
-      r_.portal[i] = {keep(portals[i].name), portals[i].first_gate, portals[i].strips};
+      const float* axis = portals[i].axis_per_m;
+      if (!allFinite(axis, 3) || !std::isfinite(portals[i].offset)) return void(bad("header", "the axis of a portal is not finite"));
+      r_.portal[i] = {keep(portals[i].name), portals[i].first_gate, portals[i].strips, portals[i].first_triangle, portals[i].triangles,
+                      {axis[0], axis[1], axis[2]}, portals[i].offset};
       r_.gates += portals[i].strips;
     }
   }
@@ -286,6 +289,6 @@ lw_result lw_radiosity_get_portal(const lw_radiosity* radiosity, uint32_t index,
   if (!radiosity || !portal) return LW_INVALID_ARGUMENT;
   if (index >= radiosity->portal.size()) return radiosity->host.fail(LW_NOT_FOUND, "the container has no portal %u", index);
   const auto& p = radiosity->portal[index];
-  *portal = {&radiosity->names[p.name], p.first_gate, p.strips};
+  *portal = {&radiosity->names[p.name], p.first_gate, p.strips, p.first_triangle, p.triangles, {p.axis_per_m[0], p.axis_per_m[1], p.axis_per_m[2]}, p.offset};
   return LW_OK;
 }

@@ -149,7 +149,7 @@ lw_result lw_radiosity_state_create(const lw_radiosity* radiosity, lw_radiosity_
   std::memset(state->direct.data(), 0, state->direct.bytes());
   std::memset(state->irradiance.data(), 0, state->irradiance.bytes());
   for (auto& material : state->material) material = LW_RADIOSITY_MATERIAL_INIT;
-  for (float& open : state->gate_open) open = 1;
+  for (float& open : state->gate_open) open = 0;
   for (uint32_t m = 0; m < state->material.size(); ++m) applyMaterial(*state, m);
   materialsChanged(*state);
   gatesChanged(*state);

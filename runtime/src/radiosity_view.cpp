@@ -65,6 +65,15 @@ uint32_t neighbour(int64_t at, uint32_t mode, uint32_t size) {
 
 }  // namespace
 
+bool Surfaces::isOpen(const Leaf& l, const uint32_t* corners, const double* barycentrics) const {
+  double s = double(l.offset);
+  for (int c = 0; c < 3; ++c)
+    for (size_t k = 0; k < 3; ++k) s += barycentrics[c] * double(position_m[size_t(corners[c]) * 3 + k]) * double(l.axis_per_m[k]);
+  const double place = std::clamp(s, 0.0, 1.0) * l.strips;
+  const uint32_t strip = std::min(uint32_t(place), l.strips - 1);
+  return place - strip < double(gate_open[l.first_gate + strip]);
+}
+
 bool AlphaSurfaces::letsThrough(const uint32_t* corners, uint32_t triangle, const double* barycentrics) const {
   if (triangle_material.empty() || triangle_material[triangle] >= material.size()) return false;
   const uint32_t m = triangle_material[triangle];
@@ -112,6 +121,7 @@ void ViewRaster::drawTriangle(const Surfaces& surfaces, const View& view, uint32
   bool owns[3];
   for (int c = 0; c < 3; ++c) owns[c] = ownsBorder(e.edge[c], sign);
   const bool alpha = !surfaces.alpha.triangle_material.empty() && surfaces.alpha.triangle_material[triangle] != 0xffff;
+  const Leaf* leaf = surfaces.leafOf(triangle);
   for (uint32_t j = begin[1]; j < end[1]; ++j) {
     double row[3];
     for (int c = 0; c < 3; ++c) row[c] = e.edge[c][1] * center(j) + e.edge[c][2];
@@ -129,6 +139,7 @@ void ViewRaster::drawTriangle(const Surfaces& surfaces, const View& view, uint32
                                                : -(barycentrics[0] * e.corner[0][2] + barycentrics[1] * e.corner[1][2] + barycentrics[2] * e.corner[2][2]);
       const size_t pixel = size_t(j) * side_ + i;
       if (!(nearness > nearness_[pixel])) continue;
+      if (leaf && surfaces.isOpen(*leaf, index, barycentrics)) continue;
       if (alpha && surfaces.alpha.letsThrough(index, triangle, barycentrics)) continue;
       nearness_[pixel] = nearness;
       triangle_[pixel] = triangle;

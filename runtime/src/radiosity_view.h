@@ -16,11 +16,28 @@ struct AlphaSurfaces {
   bool letsThrough(const uint32_t* corners, uint32_t triangle, const double* barycentrics) const;
 };
 
+/// The leaf of a portal: what of it is drawn depends on how far its strips are open.
+struct Leaf {
+  uint32_t first_triangle, triangles;
+  float axis_per_m[3], offset;
+  uint32_t first_gate, strips;
+};
+
 struct Surfaces {
   Array<float> position_m;              // [vertices][3]
   Array<uint32_t> index;                // [triangles][3]
   AlphaSurfaces alpha;
+  Array<Leaf> leaf;
+  Array<float> gate_open;               // [gates]
   uint32_t triangles() const { return uint32_t(index.size() / 3); }
+  /// The leaf that a triangle belongs to, or null.
+  const Leaf* leafOf(uint32_t triangle) const {
+    for (const Leaf& l : leaf)
+      if (triangle - l.first_triangle < l.triangles) return &l;
+    return nullptr;
+  }
+  /// Whether a point of a leaf is where it has opened.
+  bool isOpen(const Leaf& l, const uint32_t* corners, const double* barycentrics) const;
 };
 
 /// A picture of n × n pixels. Pixel (i, j) has x = (2i + 1) / n − 1 and y alike. Perspective: it looks from `eye_m` along forward + x · right + y · up. Orthographic:

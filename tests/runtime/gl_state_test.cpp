@@ -1,6 +1,6 @@
 // Whatever state the game has set, the library's work is right and the state is the same afterwards.
 #include "tests/runtime/gl_fixture.h"
-#include "tests/runtime/radiosity_fixture.h"
+#include "tests/runtime/probes_fixture.h"
 
 namespace lightwell::test {
 namespace {
@@ -178,6 +178,27 @@ TEST_P(GlState, IsRestoredByEveryFunctionAndDoesNotDisturbTheWork) {
     gl_prm.reset();
     same("lw_gl_prm_destroy");
   }
+}
+
+TEST_P(GlState, IsRestoredByTheFunctionsOfProbes) {
+  LoadedProbes p(probesInRoom());
+  lw_gl_radiosity* radiosity = nullptr;
+  lw_gl_probes* gpu = nullptr;
+  ASSERT_EQ(lw_gl_radiosity_create(gl, p.room.radiosity, nullptr, &radiosity), LW_OK) << message;
+  setOddState();
+  const std::string before = describeState(desktop());
+  const auto same = [&](const char* function) { ASSERT_EQ(describeState(desktop()), before) << function; };
+  ASSERT_EQ(lw_gl_probes_create(radiosity, p.probes, nullptr, &gpu), LW_OK) << message;
+  same("lw_gl_probes_create");
+  ASSERT_EQ(lw_gl_probes_evaluate(gpu, LW_RADIOSITY_EMITTERS), LW_OK) << message;
+  same("lw_gl_probes_evaluate");
+  std::vector<float> sh(size_t(p.info.probes) * 27);
+  ASSERT_EQ(lw_gl_probes_read(gpu, sh.data()), LW_OK) << message;
+  same("lw_gl_probes_read");
+  EXPECT_NEAR(sh[0], p.evaluate(9, LW_RADIOSITY_EMITTERS)[0], 1e-3f * sh[0]);
+  lw_gl_probes_destroy(gpu);
+  same("lw_gl_probes_destroy");
+  lw_gl_radiosity_destroy(radiosity);
 }
 
 TEST_P(GlState, IsRestoredByTheFunctionsOfRadiosity) {

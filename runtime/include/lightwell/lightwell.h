@@ -379,15 +379,18 @@ LW_API lw_result lw_radiosity_get_texels(const lw_radiosity *radiosity, lw_radio
 /* The material's name in the glTF file, maybe empty; lives as long as the lw_radiosity. NULL for an index beyond the last. */
 LW_API const char *lw_radiosity_material_name(const lw_radiosity *radiosity, uint32_t material);
 
-/* An opening that is cut into strips side by side, each of them a gate. */
+/* A door or a shutter, cut into strips side by side, each of them a gate. Its leaf is part of the geometry as it stands when shut, and opens as if it slid into the wall: open by
+ * t, what is left of it is where s >= t, s = dot(axis_per_m, position) + offset. A leaf that swings or folds is the game's to draw; its light is that of one that slides. */
 typedef struct lw_radiosity_portal {
-  const char *name;            /* lives as long as the lw_radiosity */
+  const char *name;            /* of the glTF node, maybe empty; lives as long as the lw_radiosity */
   uint32_t first_gate, gates;
+  uint32_t first_triangle, triangles;  /* of LW_ARRAY_INDEX: the leaf */
+  float axis_per_m[3], offset;         /* s: 0 where it opens first, 1 where it opens last; positions as in LW_ARRAY_POSITION */
 } lw_radiosity_portal;
 /* LW_NOT_FOUND for an index beyond the last. */
 LW_API lw_result lw_radiosity_get_portal(const lw_radiosity *radiosity, uint32_t index, lw_radiosity_portal *portal);
 
-/* Dark, with materials as they were baked and all portals open. Memory: about 100 bytes a patch. */
+/* Dark, with materials and portals as they were baked: all portals shut. Memory: about 100 bytes a patch. */
 LW_API lw_result lw_radiosity_state_create(const lw_radiosity *radiosity, lw_radiosity_state **state);
 LW_API void lw_radiosity_state_destroy(lw_radiosity_state *state);
 
@@ -422,6 +425,9 @@ typedef struct lw_radiosity_injector lw_radiosity_injector;
 LW_API lw_result lw_radiosity_injector_create(const lw_container *container, const lw_radiosity *radiosity, uint32_t side,
                                               lw_radiosity_injector **injector);
 LW_API void lw_radiosity_injector_destroy(lw_radiosity_injector *injector);
+/* From now on leaves are drawn as far as portals and gates are open in `state`, exactly, so that light moves with a door's edge. Without this call they are shut.
+ * LW_INVALID_ARGUMENT when the state is of other form factors. */
+LW_API lw_result lw_radiosity_injector_set_portals(lw_radiosity_injector *injector, const lw_radiosity_state *state);
 /* irradiance_rgb: [patches][3], receives what all lights give: what lw_radiosity_set_direct takes. LW_INVALID_ARGUMENT names the light whose values are
  * out of range. */
 LW_API lw_result lw_radiosity_inject(lw_radiosity_injector *injector, const lw_light *lights, uint32_t light_count, float *irradiance_rgb);

@@ -163,7 +163,7 @@ LW_API lw_result lw_gl_read_atlas(lw_gl_prm *gl_prm, float *atlas_rgba);        
 
 /* Form factors on the GPU, the light that they carry, and the atlas texture that it is shown in.
  *
- *   lw_gl_radiosity_create(gl, radiosity, NULL, &gl_radiosity);     uploads the links; materials as baked, portals open, darkness
+ *   lw_gl_radiosity_create(gl, radiosity, NULL, &gl_radiosity);     uploads the links; materials and portals as baked, darkness
  *   lw_gl_radiosity_upload(gl_radiosity, state, LW_GL_RADIOSITY_DIRECT);   every frame: what the game changed in a state on the CPU,
  *   lw_gl_radiosity_step(gl_radiosity, 1);                                   one bounce more on top of the last frame's light,
  *   lw_gl_radiosity_shade(gl_radiosity, NULL);                               and the atlas texture */
@@ -217,7 +217,8 @@ LW_API lw_result lw_gl_radiosity_injector_create(lw_gl_radiosity *gl_radiosity, 
                                                  uint32_t side, lw_gl_radiosity_injector **injector);
 LW_API void lw_gl_radiosity_injector_destroy(lw_gl_radiosity_injector *injector);
 LW_API uint64_t lw_gl_radiosity_injector_texture_bytes(const lw_gl_radiosity_injector *injector);
-/* The direct light of the injector's lw_gl_radiosity becomes what all `count` lights give. LW_INVALID_ARGUMENT names the light whose values are out of
+/* The direct light of the injector's lw_gl_radiosity becomes what all `count` lights give. Leaves are drawn as far as portals were open at the last lw_gl_radiosity_upload with
+ * LW_GL_RADIOSITY_PORTALS. LW_INVALID_ARGUMENT names the light whose values are out of
  * range; nothing is drawn then. A spot costs the CPU the smooth edge at side² pixels (six times that when it is very wide). */
 LW_API lw_result lw_gl_radiosity_inject(lw_gl_radiosity_injector *injector, const lw_light *lights, uint32_t count);
 
@@ -225,6 +226,43 @@ LW_API lw_result lw_gl_radiosity_inject(lw_gl_radiosity_injector *injector, cons
 LW_API lw_result lw_gl_radiosity_read_direct(lw_gl_radiosity *gl_radiosity, float *irradiance_rgb);
 LW_API lw_result lw_gl_radiosity_read_irradiance(lw_gl_radiosity *gl_radiosity, float *irradiance_rgb);
 LW_API lw_result lw_gl_radiosity_read_atlas(lw_gl_radiosity *gl_radiosity, float *atlas_rgba);
+
+/* ---- Probes ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Probes for moving objects on the GPU, lit by an lw_gl_radiosity.
+ *
+ *   lw_gl_probes_create(gl_radiosity, probes, NULL, &gl_probes);     uploads links; the lw_probes may then be released
+ *   lw_gl_probes_evaluate(gl_probes, LW_RADIOSITY_INDIRECT | LW_RADIOSITY_EMITTERS);   after lw_gl_radiosity_step: what all probes receive
+ *   lw_gl_bind_probes(gl_probes, program, first_unit);               for the shaders of what moves, with LW_GLSL_PROBES:
+ *
+ *   vec3 lwProbesIrradiance(vec3 position_m, vec3 normal)            what arrives, from the probes around that see the position; or, where one lookup serves several normals,
+ *   LwProbeLight lwProbeLight(vec3 position_m)                       (in a vertex shader, say: seven varyings)
+ *   vec3 lwProbeIrradiance(LwProbeLight light, vec3 normal) */
+typedef struct lw_gl_probes lw_gl_probes;
+
+typedef struct lw_gl_probes_options {
+  size_t size;              /* sizeof(lw_gl_probes_options), set by LW_GL_PROBES_OPTIONS_INIT */
+  uint32_t coefficients;    /* 9, or 4 for half the work and memory */
+} lw_gl_probes_options;
+#define LW_GL_PROBES_OPTIONS_INIT {sizeof(lw_gl_probes_options), 9}
+
+/* `probes` are of the form factors that gl_radiosity was made of, which must outlive gl_probes. Textures: 8 bytes a link, 64 or 128 a probe, about 300 more of those on the lattice.
+ * Fails with LW_LIMIT_EXCEEDED, LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT. */
+LW_API lw_result lw_gl_probes_create(lw_gl_radiosity *gl_radiosity, const lw_probes *probes, const lw_gl_probes_options *options, lw_gl_probes **gl_probes);
+LW_API void lw_gl_probes_destroy(lw_gl_probes *gl_probes);
+LW_API uint64_t lw_gl_probes_texture_bytes(const lw_gl_probes *gl_probes);
+
+/* lw_probes_evaluate for all probes, from the last solution on the GPU and the portals as uploaded: two fetches for each link (four with 9 coefficients).
+ *
+ * light: LW_RADIOSITY_INDIRECT, LW_RADIOSITY_EMITTERS or both. */
+LW_API lw_result lw_gl_probes_evaluate(lw_gl_probes *gl_probes, uint32_t light);
+
+/* Binds two textures to the units first_unit and first_unit + 1 and sets the uniforms of LW_GLSL_PROBES in `program`. These bindings (and the sampler objects of these units, unbound) stay;
+ * the rest of the state is restored. LW_NOT_FOUND when the program does not use the snippet. */
+LW_API lw_result lw_gl_bind_probes(lw_gl_probes *gl_probes, uint32_t program, uint32_t first_unit);
+
+/* For tools and tests; waits for the GPU. radiance_sh: [probes][9][3] as of lw_probes_evaluate. */
+LW_API lw_result lw_gl_probes_read(lw_gl_probes *gl_probes, float *radiance_sh);
 
 /* ---- Environment light ------------------------------------------------------------------------------------------------------------ */
 
@@ -323,7 +361,9 @@ typedef enum lw_glsl {
      Its uniforms are set by lw_gl_bind_local_bases. */
   LW_GLSL_LOCAL_BASES = 3,
   /* Light of a sky, for fragment shaders; see "Environment light" above. */
-  LW_GLSL_ENVIRONMENT = 4
+  LW_GLSL_ENVIRONMENT = 4,
+  /* Light of probes at a position; see "Probes" above. Its uniforms are set by lw_gl_bind_probes. */
+  LW_GLSL_PROBES = 5
 } lw_glsl;
 
 /* GLSL source without a #version line, good for `#version 330 core` and `#version 300 es` alike. On ES it sets the default precision to highp

@@ -97,7 +97,7 @@ lw_result lw_gl::compilePrograms() {
                      {"lw_quads", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count"}, reconstruct);
   if (!result)
     result = compile(*this, "patch radiosity", {kAddress, kRadiosityPatches}, {"u_albedo", "u_emitted", "u_direct", "u_irradiance"},
-                     {"u_patches", "u_emitters_only"}, radiosity_patches);
+                     {"u_patches", "u_light"}, radiosity_patches);
   if (!result)
     result = compile(*this, "node radiosity", {kAddress, kRadiosityNodes}, {"u_node", "u_share"}, {"u_begin", "u_end", "u_child_begin"}, radiosity_nodes);
   if (!result)
@@ -114,6 +114,8 @@ lw_result lw_gl::compilePrograms() {
   if (!result)
     result = compile(*this, "light injection", {kInjectAdd}, {"u_seen", "u_patch"}, {"u_side", "u_light", "u_cone", "u_spot"}, inject_add,
                      {kAddress, kInjectAddVertex});
+  if (!result)
+    result = compile(*this, "probe", {kAddress, kProbes}, {"u_link", "u_probe", "u_run", "u_gate", "u_node"}, {"u_probes", "u_groups"}, probes);
   return result;
 }
 
@@ -151,7 +153,7 @@ void lw_gl_destroy(lw_gl* context) {
   api.DeleteSamplers(2, context->shadow_sampler);
   for (const gl::Program* program : {&context->entries, &context->clusters, &context->rank, &context->select, &context->panes,
                                      &context->coefficients, &context->reconstruct, &context->radiosity_patches, &context->radiosity_nodes,
-                                     &context->radiosity_gather, &context->radiosity_shade, &context->inject_see, &context->inject_add})
+                                     &context->radiosity_gather, &context->radiosity_shade, &context->inject_see, &context->inject_add, &context->probes})
     if (program->name) api.DeleteProgram(program->name);
   lightwell::runtime::destroyHandle(context);
 }
@@ -162,6 +164,7 @@ const char* lw_glsl_source(lw_glsl snippet) {
     case LW_GLSL_LIGHT: return gl::glsl::kLight;
     case LW_GLSL_LOCAL_BASES: return gl::glsl::kLocalBases;
     case LW_GLSL_ENVIRONMENT: return gl::glsl::kEnvironment;
+    case LW_GLSL_PROBES: return gl::glsl::kProbeLight;
   }
   return nullptr;
 }

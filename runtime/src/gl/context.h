@@ -21,7 +21,7 @@ struct lw_gl {
   uint32_t vertex_array = 0;           // empty: vertices come from gl_VertexID
   uint32_t shadow_sampler[2] = {};     // plain, reversed depth
   Program entries, clusters, rank, select, panes, coefficients, reconstruct;
-  Program radiosity_patches, radiosity_nodes, radiosity_gather, radiosity_shade, inject_see, inject_add;
+  Program radiosity_patches, radiosity_nodes, radiosity_gather, radiosity_shade, inject_see, inject_add, probes;
 
   lw_result compilePrograms();
 };
@@ -51,7 +51,7 @@ namespace reconstruct_uniform {
 enum { quads, emitters, constants, sky, max, fill, buried_count };
 }
 namespace radiosity_patches_uniform {
-enum { patches, emitters_only };
+enum { patches, light };
 }
 namespace radiosity_nodes_uniform {
 enum { begin, end, child_begin };
@@ -61,6 +61,9 @@ enum { patches, omega };
 }
 namespace radiosity_shade_uniform {
 enum { fill, amounts, max };
+}
+namespace probes_uniform {
+enum { probes, groups };
 }
 namespace inject_see_uniform {
 enum { eye, right, up, forward, range };

@@ -7,9 +7,7 @@
 #include "runtime/src/gl/shaders.h"
 
 namespace lightwell::runtime::gl {
-namespace {
 
-/// Draws the rows of the target that hold elements [begin, end).
 void drawInto(const lw_gl_radiosity& r, const Target& target, uint32_t begin, uint32_t end) {
   const Api& api = r.context->api;
   const int32_t first_row = int32_t(begin / glsl::kRow), end_row = int32_t((end + glsl::kRow - 1) / glsl::kRow);
@@ -24,14 +22,13 @@ void bind(const Api& api, uint32_t unit, Enum target, Name texture) {
   api.BindTexture(target, texture);
 }
 
-/// Radiosities of all nodes: of the light of the current solution, or of emitters alone.
-void updateNodes(const lw_gl_radiosity& r, bool emitters_only) {
+void updateNodes(const lw_gl_radiosity& r, uint32_t light) {
   const lw_gl& context = *r.context;
   const Api& api = context.api;
   const Program& patches = context.radiosity_patches;
   api.UseProgram(patches.name);
   api.Uniform1i(patches.uniform[radiosity_patches_uniform::patches], int32_t(r.patches));
-  api.Uniform1i(patches.uniform[radiosity_patches_uniform::emitters_only], emitters_only);
+  api.Uniform1i(patches.uniform[radiosity_patches_uniform::light], int32_t(light));
   bind(api, 0, kTexture2dArray, r.albedo);
   bind(api, 1, kTexture2dArray, r.emitted);
   bind(api, 2, kTexture2d, r.direct.texture);
@@ -54,6 +51,8 @@ void updateNodes(const lw_gl_radiosity& r, bool emitters_only) {
   }
 }
 
+namespace {
+
 /// result = previous + omega · (what patches receive from the nodes − previous).
 void gather(const lw_gl_radiosity& r, const Target& previous, const float* omega, const Target& result) {
   const lw_gl& context = *r.context;
@@ -74,7 +73,7 @@ void gather(const lw_gl_radiosity& r, const Target& previous, const float* omega
 constexpr float kPlain[4] = {1, 1, 1, 1};
 
 void sweep(lw_gl_radiosity& r, const float* omega) {
-  updateNodes(r, false);
+  updateNodes(r, LW_RADIOSITY_INDIRECT | LW_RADIOSITY_EMITTERS);
   const uint32_t next = (r.current + 1) % 3, before = (r.current + 2) % 3;
   gather(r, r.irradiance[before], omega, r.irradiance[next]);
   r.current = next;
@@ -146,7 +145,7 @@ lw_result lw_gl_radiosity_shade(lw_gl_radiosity* r, const lw_radiosity_shading* 
   const bool indirect = shading.light & LW_RADIOSITY_INDIRECT, emitters = shading.light & LW_RADIOSITY_EMITTERS;
   const bool part = r->emits && indirect != emitters;
   if (part && !r->emitters_valid) {
-    gl::updateNodes(*r, true);
+    gl::updateNodes(*r, LW_RADIOSITY_EMITTERS);
     gl::gather(*r, r->irradiance[r->current], gl::kPlain, r->emitters);
     r->emitters_valid = true;
   }

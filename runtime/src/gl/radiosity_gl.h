@@ -17,6 +17,8 @@ struct lw_gl_radiosity {
   uint64_t texture_bytes = 0;
   bool owns_atlas = false, emits = false, emitters_valid = false;
   float max_value = 0;                    // of the atlas's format
+  Array<float> gate_open;                 // [gates], as uploaded last
+  uint32_t portals_uploaded = 1;          // how often, and once more
   Array<float> row_sum;                   // [patches]: share of what leaves the others that is received, at most
   float gain_rgb[3] = {};                 // bound on what a sweep leaves of an error
 
@@ -52,3 +54,13 @@ struct lw_gl_radiosity_injector {
   lightwell::runtime::gl::Target seen;    // RG32UI, side × side
   Name depth = 0;
 };
+
+namespace lightwell::runtime::gl {
+
+/// Draws the rows of the target that hold elements [begin, end).
+void drawInto(const lw_gl_radiosity& radiosity, const Target& target, uint32_t begin, uint32_t end);
+void bind(const Api& api, uint32_t unit, Enum target, Name texture);
+/// Radiosities of all nodes: LW_RADIOSITY_INDIRECT, what patches reflect of the current solution; LW_RADIOSITY_EMITTERS, what they emit.
+void updateNodes(const lw_gl_radiosity& radiosity, uint32_t light);
+
+}  // namespace lightwell::runtime::gl

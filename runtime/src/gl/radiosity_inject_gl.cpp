@@ -11,11 +11,6 @@ namespace {
 
 double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-void bind(const Api& api, uint32_t unit, Enum target, Name texture) {
-  api.ActiveTexture(kTexture0 + unit);
-  api.BindTexture(target, texture);
-}
-
 /// Half of the diagonal of the bounds.
 double extentOf(const lw_gl_radiosity_injector& injector) {
   double square = 0;

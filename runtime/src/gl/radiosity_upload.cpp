@@ -20,6 +20,7 @@ class Uploader : ListUploader {
     out_.patches = r_.patches();
     out_.gate_sets = r_.gate_sets;
     out_.materials = r_.header.material_count;
+    if (!allocate(out_.gate_open, r_.gates)) return result_;
     out_.width = r_.width;
     out_.height = r_.height;
     out_.levels = r_.levels;
@@ -160,7 +161,7 @@ lw_result lw_gl_radiosity_upload(lw_gl_radiosity* r, const lw_radiosity_state* s
   if (!r || !state) return LW_INVALID_ARGUMENT;
   if (what > (LW_GL_RADIOSITY_MATERIALS | LW_GL_RADIOSITY_PORTALS | LW_GL_RADIOSITY_DIRECT))
     return r->host.fail(LW_INVALID_ARGUMENT, "nothing of this kind can be uploaded");
-  if (state->albedo.size() != r->patches || state->gate_set_factor.size() != r->gate_sets || state->material.size() != r->materials)
+  if (state->albedo.size() != r->patches || state->gate_set_factor.size() != r->gate_sets || state->gate_open.size() != r->gate_open.size() || state->material.size() != r->materials)
     return r->host.fail(LW_INVALID_ARGUMENT, "the state is of other form factors");
   const gl::StateGuard guard(r->context->api);
   const gl::Api& api = r->context->api;
@@ -174,7 +175,11 @@ lw_result lw_gl_radiosity_upload(lw_gl_radiosity* r, const lw_radiosity_state* s
       for (size_t i = 0; i < r->patches; ++i) r->gain_rgb[k] = std::max(r->gain_rgb[k], state->albedo[i].v[k] * r->row_sum[i]);
     }
   }
-  if (what & LW_GL_RADIOSITY_PORTALS) gl::uploadList(api, r->gate, gl::kTexelR32f, r->gate_sets, state->gate_set_factor.data());
+  if (what & LW_GL_RADIOSITY_PORTALS) {
+    gl::uploadList(api, r->gate, gl::kTexelR32f, r->gate_sets, state->gate_set_factor.data());
+    std::memcpy(r->gate_open.data(), state->gate_open.data(), r->gate_open.bytes());
+    ++r->portals_uploaded;
+  }
   if (what & (LW_GL_RADIOSITY_MATERIALS | LW_GL_RADIOSITY_PORTALS)) r->emitters_valid = false;
   return what & LW_GL_RADIOSITY_DIRECT ? gl::uploadTarget(*r, r->direct, state->direct) : LW_OK;
 }
