@@ -47,11 +47,11 @@ ProbesToBake makeProbeBaker(const BakeContext& context, const plan::Settings& se
   TaskGraph graph(productVersion());
   const TaskIndex places = graph.add({"probes/places", "probes", "probes/places", placeParameters(context, radiositySettings(settings), probes.settings.places).text(), {},
                                       double(context.atlas().slots.size()), [&](const TaskInputs& in) {
-                                        return transport::makeProbeBytes(context.scene(), context.atlas(), *context.tracer(), *probes.radiosity, probes.settings,
+                                        return transport::makeProbeBytes(context.scene(), *context.tracer(), *probes.radiosity, probes.settings,
                                                                          context.threads(), &in.cancel);
                                       }});
   const auto results = tasks.prepare(graph, std::array{places});
-  probes.baker = std::make_shared<transport::ProbeBaker>(context.scene(), context.atlas(), *context.tracer(), *probes.radiosity, probes.settings, *results[0]);
+  probes.baker = std::make_shared<transport::ProbeBaker>(*probes.radiosity, probes.settings, *results[0]);
   return probes;
 }
 

@@ -51,6 +51,11 @@ void addProbesSection(format::Writer& writer, const transport::ProbeResult& resu
   writer.add("probes", "link_node", links.node);
   writer.add("probes", "link_code", links.code);
   writer.add("probes", "scale", links.scale);
+  if (links.sets.count() > 1) {
+    writer.add("probes", "link_gates", std::vector<uint16_t>(links.set.begin(), links.set.end()));
+    writer.add("probes", "gate_set_first", links.sets.first());
+    writer.add("probes", "gate_set", links.sets.entries());
+  }
 }
 
 }  // namespace lightwell::bake

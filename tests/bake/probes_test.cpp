@@ -56,8 +56,8 @@ struct BakedRoom {
     const Bytes trained = baker->train(views(hits), views(direct));
     const std::vector<Bytes> links{baker->links(0, baker->patchCount(), trained)};
     radiosity = baker->assemble(views(links), 2, nullptr);
-    places = transport::makeProbeBytes(p.scene, p.atlas, *p.tracer, *baker, settings, threads, nullptr);
-    const ProbeBaker probe_baker(p.scene, p.atlas, *p.tracer, *baker, settings, places);
+    places = transport::makeProbeBytes(p.scene, *p.tracer, *baker, settings, threads, nullptr);
+    const ProbeBaker probe_baker(*baker, settings, places);
     std::vector<Bytes> probe_links((probe_baker.probes().count() + grain - 1) / grain);
     parallelFor(probe_links.size(), 1, threads, nullptr, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {

@@ -1,26 +1,18 @@
 #include "precompute/transport/radiosity/bake_probes.h"
 
+#include "precompute/transport/stage_bytes.h"
+
+#include <string>
+
+#include "precompute/core/error.h"
+
 namespace lightwell::transport {
-namespace {
-
-void require(bool condition) {
-  if (!condition) throw std::runtime_error("a task result is damaged");
-}
-
-template <class Index>
-void requireRows(const std::vector<Index>& first, size_t entries) {
-  require(!first.empty() && first.front() == 0 && first.back() == entries);
-  for (size_t i = 1; i < first.size(); ++i) require(first[i - 1] <= first[i]);
-}
-
-}  // namespace
-
-Bytes makeProbeBytes(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiosityBaker& radiosity, const ProbeSettings& settings,
-                     int threads, const CancelFlag* cancel) {
+Bytes makeProbeBytes(const scene::Scene& scene, const trace::Tracer& tracer, const RadiosityBaker& radiosity, const ProbeSettings& settings, int threads,
+                     const CancelFlag* cancel) {
   ProbeOptions options = settings.places;
   options.threads = threads;
   options.cancel = cancel;
-  const Probes probes = placeProbes(scene, atlas, tracer, radiosity.sides(), radiosity.patches(), options);
+  const Probes probes = placeProbes(scene, tracer, radiosity.tracer(), radiosity.patchCount(), options);
   ByteWriter writer;
   writer.array(std::vector<ProbeLattice>{probes.lattice});
   writer.array(probes.lattice_point);
@@ -31,9 +23,7 @@ Bytes makeProbeBytes(const scene::Scene& scene, const atlas::Atlas& atlas, const
   return writer.take();
 }
 
-ProbeBaker::ProbeBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiosityBaker& radiosity,
-                       const ProbeSettings& settings, ByteView places)
-    : scene_(scene), atlas_(atlas), tracer_(tracer), radiosity_(radiosity), settings_(settings) {
+ProbeBaker::ProbeBaker(const RadiosityBaker& radiosity, const ProbeSettings& settings, ByteView places) : radiosity_(radiosity), settings_(settings) {
   ByteReader reader(places);
   const auto lattice = reader.array<ProbeLattice>();
   require(lattice.size() == 1);
@@ -49,9 +39,13 @@ ProbeBaker::ProbeBaker(const scene::Scene& scene, const atlas::Atlas& atlas, con
 }
 
 Bytes ProbeBaker::hits(uint32_t first, uint32_t end) const {
-  const ProbeHits hits = countProbeHits(scene_, atlas_, tracer_, radiosity_.sides(), radiosity_.patches(), probes_, settings_.links.rays, settings_.places.seed, first, end);
+  const ProbeHits hits = countProbeHits(radiosity_.tracer(), probes_, settings_.links.rays, settings_.places.seed, first, end);
   ByteWriter writer;
   writer.array(hits.first);
+  writer.array(hits.set);
+  writer.array(hits.group_first);
+  writer.array(hits.sets.first());
+  writer.array(hits.sets.entries());
   writer.array(hits.patch);
   writer.array(hits.count);
   writer.array(hits.direction);
@@ -62,21 +56,31 @@ Bytes ProbeBaker::hits(uint32_t first, uint32_t end) const {
 Bytes ProbeBaker::links(uint32_t first, ByteView bytes, ByteView trained) const {
   ByteReader reader(bytes);
   ProbeHits hits;
-  hits.first = reader.array<uint64_t>();
+  hits.first = reader.array<uint32_t>();
+  hits.set = reader.array<uint32_t>();
+  hits.group_first = reader.array<uint64_t>();
+  const auto sets_first = reader.array<uint32_t>();
+  require(hits.sets.assign(sets_first, reader.array<GateEntry>()));
   hits.patch = reader.array<uint32_t>();
   hits.count = reader.array<uint32_t>();
   hits.direction = reader.array<Vec3>();
   hits.moments = reader.array<std::array<float, 9>>();
-  requireRows(hits.first, hits.patch.size());
-  require(hits.count.size() == hits.patch.size() && hits.direction.size() == hits.patch.size() && hits.moments.size() + 1 == hits.first.size());
+  requireRows(hits.first, hits.set.size());
+  requireRows(hits.group_first, hits.patch.size());
+  require(hits.group_first.size() == hits.set.size() + 1 && hits.moments.size() == hits.set.size());
+  for (const uint32_t set : hits.set) require(set < hits.sets.count());
+  require(hits.count.size() == hits.patch.size() && hits.direction.size() == hits.patch.size());
   for (const uint32_t patch : hits.patch) require(patch < radiosity_.patchCount());
-  require(first + hits.first.size() - 1 <= probes_.count());
+  require(first + hits.probes() <= probes_.count());
   const auto [factors, training] = radiosity_.readTrained(trained);
   const PatchTree& tree = radiosity_.tree();
   const ProbeSurroundings surroundings{tree, nodePositions(radiosity_.patches(), tree), nodesThatSeeTheSame(factors, tree)};
-  const ProbeLinkValues links = makeProbeLinks(hits, std::span(probes_.position).subspan(first, hits.first.size() - 1), surroundings, training, settings_.links);
+  const ProbeLinkValues links = makeProbeLinks(hits, std::span(probes_.position).subspan(first, hits.probes()), surroundings, training, settings_.links);
   ByteWriter writer;
   writer.array(links.first);
+  writer.array(links.set);
+  writer.array(links.sets.first());
+  writer.array(links.sets.entries());
   writer.array(links.node);
   writer.array(links.value);
   return writer.take();
@@ -88,15 +92,23 @@ ProbeResult ProbeBaker::assemble(std::span<const ByteView> links) const {
     ByteReader reader(bytes);
     ProbeLinkValues part;
     part.first = reader.array<uint32_t>();
+    part.set = reader.array<uint32_t>();
+    const auto sets_first = reader.array<uint32_t>();
+    require(part.sets.assign(sets_first, reader.array<GateEntry>()));
     part.node = reader.array<uint32_t>();
     part.value = reader.array<float>();
     requireRows(part.first, part.node.size());
-    require(part.value.size() == part.node.size());
+    require(part.value.size() == part.node.size() && part.set.size() == part.node.size());
+    for (const uint32_t set : part.set) require(set < part.sets.count());
     for (const uint32_t node : part.node) require(node < radiosity_.tree().nodeCount());
     values.append(part);
   }
   require(values.probes() == probes_.count());
-  return {probes_, quantiseProbeLinks(values)};
+  ProbeResult result{probes_, quantiseProbeLinks(values)};
+  if (result.links.sets.count() > kMostGateSets)
+    throw UsageError("probes see each other through " + std::to_string(result.links.sets.count()) + " combinations of portals' strips, more than " +
+                     std::to_string(kMostGateSets) + ": give portals fewer strips");
+  return result;
 }
 
 }  // namespace lightwell::transport

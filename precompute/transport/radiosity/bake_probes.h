@@ -21,14 +21,13 @@ struct ProbeResult {
 };
 
 /// Where probes are.
-Bytes makeProbeBytes(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiosityBaker& radiosity, const ProbeSettings& settings,
-                     int threads, const CancelFlag* cancel);
+Bytes makeProbeBytes(const scene::Scene& scene, const trace::Tracer& tracer, const RadiosityBaker& radiosity, const ProbeSettings& settings, int threads,
+                     const CancelFlag* cancel);
 
 class ProbeBaker {
  public:
-  /// All arguments must outlive the baker. `places` is makeProbeBytes of the same arguments; throws std::runtime_error when it cannot be.
-  ProbeBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiosityBaker& radiosity, const ProbeSettings& settings,
-             ByteView places);
+  /// `radiosity` must outlive the baker. `places` is makeProbeBytes of it and the same settings; throws std::runtime_error when it cannot be.
+  ProbeBaker(const RadiosityBaker& radiosity, const ProbeSettings& settings, ByteView places);
 
   const Probes& probes() const { return probes_; }
 
@@ -40,9 +39,6 @@ class ProbeBaker {
   ProbeResult assemble(std::span<const ByteView> links) const;
 
  private:
-  const scene::Scene& scene_;
-  const atlas::Atlas& atlas_;
-  const trace::Tracer& tracer_;
   const RadiosityBaker& radiosity_;
   ProbeSettings settings_;
   Probes probes_;

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 #include "precompute/transport/radiosity/probe_rays.h"
 #include "precompute/transport/radiosity/spherical_harmonics.h"
@@ -41,8 +43,28 @@ class ProbeMerger {
     }
   }
 
-  std::vector<Link> links(uint32_t probe) {
-    begin(probe);
+  /// From now on links() is about this one.
+  void begin(uint32_t probe) {
+    probe_ = probe;
+    scale_ = error_ = Errors::Zero(lights_ * kHarmonics);
+    for (uint64_t i = hits_.group_first[hits_.first[probe]]; i < hits_.group_first[hits_.first[probe + 1]]; ++i) {
+      const Errors exact = light(shareOf(i), unit(hits_.direction[i]), hits_.patch[i]);
+      error_ += light(shareOf(i), wayTo(hits_.patch[i]), hits_.patch[i]) - exact;
+      scale_ += exact;
+    }
+    for (Eigen::Index l = 0; l < lights_; ++l) scale_.segment(l * kHarmonics, kHarmonics).setConstant(1 / (std::abs(scale_[l * kHarmonics]) + kFaintest));
+    unmerged_ = rms(error_);
+  }
+
+  /// Those of a group of hits.
+  std::vector<Link> links(uint32_t group) {
+    begin_ = hits_.group_first[group];
+    met_ = std::span(hits_.patch).subspan(begin_, hits_.group_first[group + 1] - begin_);
+    links_.clear();
+    for (uint64_t i = begin_; i < hits_.group_first[group + 1]; ++i) {
+      const Errors exact = light(shareOf(i), unit(hits_.direction[i]), hits_.patch[i]);
+      links_.push_back({hits_.patch[i], shareOf(i), light(shareOf(i), wayTo(hits_.patch[i]), hits_.patch[i]) - exact});
+    }
     for (uint32_t level = 1; level < tree_.levelCount(); ++level) mergeInto(level);
     return std::move(links_);
   }
@@ -60,34 +82,18 @@ class ProbeMerger {
   }
   float rms(const Errors& error) const { return std::sqrt((error * scale_).square().sum() / float(lights_)); }
 
-  void begin(uint32_t probe) {
-    probe_ = probe;
-    links_.clear();
-    Errors all = Errors::Zero(lights_ * kHarmonics);
-    error_ = all;
-    for (uint64_t i = hits_.first[probe]; i < hits_.first[probe + 1]; ++i) {
-      const float value = float(hits_.count[i]) / float(options_.rays);
-      const Errors exact = light(value, unit(hits_.direction[i]), hits_.patch[i]);
-      links_.push_back({hits_.patch[i], value, light(value, wayTo(hits_.patch[i]), hits_.patch[i]) - exact});
-      all += exact;
-      error_ += links_.back().error;
-    }
-    scale_ = Errors(lights_ * kHarmonics);
-    for (Eigen::Index l = 0; l < lights_; ++l) scale_.segment(l * kHarmonics, kHarmonics).setConstant(1 / (std::abs(all[l * kHarmonics]) + kFaintest));
-    unmerged_ = rms(error_);
-  }
+  float shareOf(uint64_t hit) const { return float(hits_.count[hit]) / float(options_.rays); }
 
   /// Whether what the probe sees of `node`, together `value`, spreads over it as its area does, seen at its patches and at its children.
   bool isEven(uint32_t node, uint32_t level, double value) const {
     const double most2 = double(options_.uneven) * options_.uneven + value / options_.rays;
     const double per_area = value / tree_.area[node];
-    const auto all = std::span(hits_.patch).subspan(hits_.first[probe_], hits_.first[probe_ + 1] - hits_.first[probe_]);
-    const auto at = [&](uint32_t patch) { return size_t(std::lower_bound(all.begin(), all.end(), patch) - all.begin()); };
-    const auto shareAt = [&](size_t i) { return double(hits_.count[hits_.first[probe_] + i]) / options_.rays; };
+    const auto at = [&](uint32_t patch) { return size_t(std::lower_bound(met_.begin(), met_.end(), patch) - met_.begin()); };
+    const auto shareAt = [&](size_t i) { return double(hits_.count[begin_ + i]) / options_.rays; };
     const size_t begin = at(tree_.first_patch[node]), end = at(tree_.end_patch[node]);
     double deviation2 = 0, missed_area = tree_.area[node];
     for (size_t i = begin; i < end; ++i) {
-      const double area = tree_.area[all[i]], difference = shareAt(i) - per_area * area;
+      const double area = tree_.area[met_[i]], difference = shareAt(i) - per_area * area;
       deviation2 += difference * difference;
       missed_area = std::max(0.0, missed_area - area);
     }
@@ -156,6 +162,8 @@ class ProbeMerger {
   Eigen::Index lights_;
   RadiosityTraining::Matrix node_radiosity_;
   uint32_t probe_ = 0;
+  uint64_t begin_ = 0;                    // the first hit of the group that is being compressed
+  std::span<const uint32_t> met_;         // its patches
   std::vector<Link> links_;
   Errors scale_, error_;
   float unmerged_ = 0;  // what the directions of patches close by get wrong, merged or not
@@ -191,52 +199,41 @@ void keepEvenLightEven(const ProbeMerger& merger, std::vector<Link>& links, cons
 
 }  // namespace
 
-void ProbeHits::append(const ProbeHits& other) {
-  const uint64_t base = patch.size();
-  for (size_t i = 1; i < other.first.size(); ++i) first.push_back(base + other.first[i]);
-  patch.insert(patch.end(), other.patch.begin(), other.patch.end());
-  count.insert(count.end(), other.count.begin(), other.count.end());
-  direction.insert(direction.end(), other.direction.begin(), other.direction.end());
-  moments.insert(moments.end(), other.moments.begin(), other.moments.end());
-}
-
 void ProbeLinkValues::append(const ProbeLinkValues& other) {
   const uint32_t base = uint32_t(node.size());
   for (size_t i = 1; i < other.first.size(); ++i) first.push_back(base + other.first[i]);
+  const auto number = addSets(other.sets, sets);
+  for (const uint32_t other_set : other.set) set.push_back(number[other_set]);
   node.insert(node.end(), other.node.begin(), other.node.end());
   value.insert(value.end(), other.value.begin(), other.value.end());
 }
 
-ProbeHits countProbeHits(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, const Patches& patches,
-                         const Probes& probes, uint32_t rays, uint64_t seed, uint32_t begin, uint32_t end) {
+ProbeHits countProbeHits(const GatedTracer& tracer, const Probes& probes, uint32_t rays, uint64_t seed, uint32_t begin, uint32_t end) {
   ProbeHits result;
-  std::vector<trace::Hit> hits;
-  std::vector<std::pair<uint32_t, uint32_t>> met;  // patch, ray
+  std::vector<GatedHit> hits;
   for (uint32_t probe = begin; probe < end; ++probe) {
     const auto list = sphereRays(probes.position[probe], rays, seed, kProbeStream + probe);
-    hits.resize(list.size());
-    tracer.closest(list, hits);
-    met.clear();
-    for (uint32_t i = 0; i < hits.size(); ++i) {
-      if (hits[i].triangle == kNone) continue;
-      const uint32_t side = sides.met(atlas.slotAt(scene.mesh, hits[i].triangle, hits[i].u, hits[i].v), hits[i].front);
-      if (side != kNone && patches.patch_of_side[side] != kNone) met.emplace_back(patches.patch_of_side[side], i);
-    }
-    std::sort(met.begin(), met.end());
-    std::array<double, kHarmonics> moments{};
-    for (const auto& [patch, ray] : met) {
-      const auto y = sphericalHarmonics(list[ray].direction);
-      for (size_t k = 0; k < kHarmonics; ++k) moments[k] += double(y[k]) / rays;
-      if (result.patch.size() == result.first.back() || result.patch.back() != patch) {
-        result.patch.push_back(patch);
-        result.count.push_back(0);
-        result.direction.emplace_back(0.0f);
+    tracer.trace(list, kNone, result.sets, hits);
+    std::sort(hits.begin(), hits.end(), [](const GatedHit& a, const GatedHit& b) { return std::tie(a.set, a.patch, a.ray) < std::tie(b.set, b.patch, b.ray); });
+    for (size_t first = 0, last; first < hits.size(); first = last) {
+      std::array<double, kHarmonics> moments{};
+      for (last = first; last < hits.size() && hits[last].set == hits[first].set; ++last) {
+        const Vec3& direction = list[hits[last].ray].direction;
+        const auto y = sphericalHarmonics(direction);
+        for (size_t k = 0; k < kHarmonics; ++k) moments[k] += double(y[k]) / rays;
+        if (last == first || hits[last].patch != hits[last - 1].patch) {
+          result.patch.push_back(hits[last].patch);
+          result.count.push_back(0);
+          result.direction.emplace_back(0.0f);
+        }
+        ++result.count.back();
+        result.direction.back() += direction;
       }
-      ++result.count.back();
-      result.direction.back() += list[ray].direction;
+      result.set.push_back(hits[first].set);
+      result.group_first.push_back(result.patch.size());
+      std::copy(moments.begin(), moments.end(), result.moments.emplace_back().begin());
     }
-    result.first.push_back(result.patch.size());
-    std::copy(moments.begin(), moments.end(), result.moments.emplace_back().begin());
+    result.first.push_back(uint32_t(result.set.size()));
   }
   return result;
 }
@@ -255,13 +252,18 @@ ProbeLinkValues makeProbeLinks(const ProbeHits& hits, std::span<const Vec3> posi
                                const ProbeLinkOptions& options) {
   ProbeLinkValues result;
   ProbeMerger merger(hits, positions, surroundings, training, options);
-  for (uint32_t probe = 0; probe + 1 < hits.first.size(); ++probe) {
-    std::vector<Link> links = merger.links(probe);
-    keepEvenLightEven(merger, links, hits.moments[probe]);
-    std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.node < b.node; });
-    for (const Link& link : links) {
-      result.node.push_back(link.node);
-      result.value.push_back(link.value);
+  result.sets = hits.sets;
+  for (uint32_t probe = 0; probe < hits.probes(); ++probe) {
+    merger.begin(probe);
+    for (uint32_t group = hits.first[probe]; group < hits.first[probe + 1]; ++group) {
+      std::vector<Link> links = merger.links(group);
+      keepEvenLightEven(merger, links, hits.moments[group]);
+      std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.node < b.node; });
+      for (const Link& link : links) {
+        result.set.push_back(hits.set[group]);
+        result.node.push_back(link.node);
+        result.value.push_back(link.value);
+      }
     }
     result.first.push_back(uint32_t(result.node.size()));
   }
@@ -271,16 +273,24 @@ ProbeLinkValues makeProbeLinks(const ProbeHits& hits, std::span<const Vec3> posi
 ProbeLinks quantiseProbeLinks(const ProbeLinkValues& links) {
   ProbeLinks result;
   result.first = links.first;
-  result.node = links.node;
+  result.set = links.set;
+  result.sets = sortSets(links.sets, result.set);
+  const std::vector<uint32_t> unsorted_set = result.set;
   for (uint32_t probe = 0; probe < links.probes(); ++probe) {
+    const uint32_t first = links.first[probe], end = links.first[probe + 1];
+    std::vector<uint32_t> order(end - first);
+    std::iota(order.begin(), order.end(), first);
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return unsorted_set[a] < unsorted_set[b]; });
     double sum = 0, largest = 0;
-    for (uint32_t l = links.first[probe]; l < links.first[probe + 1]; ++l) {
+    for (uint32_t l = first; l < end; ++l) {
       sum += links.value[l];
       largest = std::max(largest, double(links.value[l]));
     }
     uint64_t codes = 0;
-    for (uint32_t l = links.first[probe]; l < links.first[probe + 1]; ++l) {
-      result.code.push_back(linkCode(float(links.value[l] / largest * linkWeight(255))));
+    for (uint32_t i = 0; i < order.size(); ++i) {
+      result.set[first + i] = unsorted_set[order[i]];
+      result.node.push_back(links.node[order[i]]);
+      result.code.push_back(linkCode(float(links.value[order[i]] / largest * linkWeight(255))));
       codes += linkWeight(result.code.back());
     }
     result.scale.push_back(codes ? float(sum / double(codes)) : 0.0f);

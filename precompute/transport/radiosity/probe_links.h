@@ -6,38 +6,44 @@
 #include <span>
 #include <vector>
 
+#include "precompute/transport/radiosity/gated_hits.h"
 #include "precompute/transport/radiosity/links.h"
 #include "precompute/transport/radiosity/probes.h"
 
 namespace lightwell::transport {
 
-/// Per probe the patches that its rays met.
+/// What the rays of probes met: patches, grouped by the gate sets on the way.
 struct ProbeHits {
-  std::vector<uint64_t> first = {0};  // probes + 1
-  std::vector<uint32_t> patch;        // ascending within a probe
+  std::vector<uint32_t> first = {0};  // probes + 1: groups of each
+  std::vector<uint32_t> set;          // per group: number in `sets`, ascending within a probe
+  std::vector<uint64_t> group_first = {0};  // groups + 1: hits of each
+  std::vector<std::array<float, 9>> moments;  // per group: Σ Y over its rays, over the number of a probe's rays
+  std::vector<uint32_t> patch;        // ascending within a group
   std::vector<uint32_t> count;
   std::vector<Vec3> direction;        // sum of the rays' unit directions
-  std::vector<std::array<float, 9>> moments;  // per probe: Σ Y over its rays that met patches, over the number of rays
-  /// Appends another's probes.
-  void append(const ProbeHits& other);
+  GateSets sets;
+  uint32_t probes() const { return uint32_t(first.size()) - 1; }
 };
 
 /// Traces `rays` rays from each of the probes [begin, end), uniform over the sphere.
-ProbeHits countProbeHits(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, const Patches& patches,
-                         const Probes& probes, uint32_t rays, uint64_t seed, uint32_t begin, uint32_t end);
+ProbeHits countProbeHits(const GatedTracer& tracer, const Probes& probes, uint32_t rays, uint64_t seed, uint32_t begin, uint32_t end);
 
 /// The integral of radiance times Y over the sphere is Σ_l value[l] · 4π · radiosity(node[l]) / π · Y(direction to nodePositions of node[l]).
 struct ProbeLinkValues {
   std::vector<uint32_t> first = {0};  // probes + 1
-  std::vector<uint32_t> node;         // ascending within a probe
-  std::vector<float> value;           // > 0: share of the sphere; within a probe they sum to the share that met patches
+  std::vector<uint32_t> set;          // number in `sets`
+  std::vector<uint32_t> node;         // ascending within a probe and set
+  std::vector<float> value;           // > 0: share of the sphere; within a probe and set they sum to the share that met patches
+  GateSets sets;
   uint32_t probes() const { return uint32_t(first.size()) - 1; }
   void append(const ProbeLinkValues& other);
 };
 
-/// The same rounded: value = scale · linkWeight(code).
+/// The same rounded: value = scale · linkWeight(code); ordered by set within a probe.
 struct ProbeLinks {
   std::vector<uint32_t> first = {0};
+  std::vector<uint32_t> set;
+  GateSets sets;
   std::vector<uint32_t> node;
   std::vector<uint8_t> code;
   std::vector<float> scale;           // per probe; 0 without links

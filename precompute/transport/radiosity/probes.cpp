@@ -29,8 +29,7 @@ struct View {
 
 class Placer {
  public:
-  Placer(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, const Patches& patches, uint64_t seed)
-      : scene_(scene), atlas_(atlas), tracer_(tracer), sides_(sides), patches_(patches), seed_(seed) {}
+  Placer(const scene::Scene& scene, const trace::Tracer& shut, const GatedTracer& gated, uint64_t seed) : scene_(scene), tracer_(shut), gated_(gated), seed_(seed) {}
 
   View look(const Vec3& position, uint32_t index) {
     rays_ = sphereRays(position, kPlacingRays, seed_, kPlaceStream + index);
@@ -41,9 +40,9 @@ class Placer {
       if (hit.triangle == kNone) continue;
       view.nearest = std::min(view.nearest, hit.t);
       if (!hit.front && !scene_.materials[scene_.mesh.triangle_material[hit.triangle]].double_sided) ++view.backs;
-      const uint32_t side = sides_.met(atlas_.slotAt(scene_.mesh, hit.triangle, hit.u, hit.v), hit.front);
-      if (side != kNone && patches_.patch_of_side[side] != kNone) view.patches.push_back(patches_.patch_of_side[side]);
     }
+    gated_.trace(rays_, kNone, sets_, gated_hits_);
+    for (const GatedHit& hit : gated_hits_) view.patches.push_back(hit.patch);
     std::sort(view.patches.begin(), view.patches.end());
     view.patches.erase(std::unique(view.patches.begin(), view.patches.end()), view.patches.end());
     return view;
@@ -78,11 +77,11 @@ class Placer {
 
  private:
   const scene::Scene& scene_;
-  const atlas::Atlas& atlas_;
   const trace::Tracer& tracer_;
-  const Sides& sides_;
-  const Patches& patches_;
+  const GatedTracer& gated_;
   uint64_t seed_;
+  GateSets sets_;
+  std::vector<GatedHit> gated_hits_;
   std::vector<trace::Ray> rays_;
   std::vector<trace::Hit> hits_;
 };
@@ -151,8 +150,7 @@ ProbeLattice makeProbeLattice(const Box3& bounds, const ProbeOptions& options, d
   return lattice;
 }
 
-Probes placeProbes(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, const Patches& patches,
-                   const ProbeOptions& options) {
+Probes placeProbes(const scene::Scene& scene, const trace::Tracer& shut, const GatedTracer& gated, uint32_t patches, const ProbeOptions& options) {
   Probes probes;
   probes.lattice = makeProbeLattice(scene.bounds, options, scene.metres_per_unit);
   const ProbeLattice& lattice = probes.lattice;
@@ -162,7 +160,7 @@ Probes placeProbes(const scene::Scene& scene, const atlas::Atlas& atlas, const t
   std::vector<std::array<int8_t, 3>> offset(points, {0, 0, 0});
   std::vector<std::vector<uint32_t>> seen(points);
   parallelFor(points, 64, options.threads, options.cancel, [&](size_t begin, size_t end) {
-    Placer placer(scene, atlas, tracer, sides, patches, options.seed);
+    Placer placer(scene, shut, gated, options.seed);
     for (uint32_t i = uint32_t(begin); i < end; ++i) {
       View view = placer.look(lattice.point(i), i);
       if (Placer::isOpen(view, lattice.spacing)) fate[i] = kStays;
@@ -183,13 +181,13 @@ Probes placeProbes(const scene::Scene& scene, const atlas::Atlas& atlas, const t
   });
 
   // Probes that see a common patch are in the same air.
-  Groups groups(size_t(points) + patches.count());
+  Groups groups(size_t(points) + patches);
   uint32_t open = 0;
   for (uint32_t i = 0; i < points; ++i) {
     open += fate[i] != kInside;
     for (const uint32_t patch : seen[i]) groups.join(i, points + patch);
   }
-  std::vector<uint32_t> members(size_t(points) + patches.count(), 0);
+  std::vector<uint32_t> members(size_t(points) + patches, 0);
   for (uint32_t i = 0; i < points; ++i)
     if (fate[i] != kInside) ++members[groups.find(i)];
   for (uint32_t i = 0; i < points; ++i) {
@@ -204,7 +202,7 @@ Probes placeProbes(const scene::Scene& scene, const atlas::Atlas& atlas, const t
   }
   probes.nearness.resize(probes.position.size() * kNearnessNodes);
   parallelFor(probes.position.size(), 64, options.threads, options.cancel, [&](size_t begin, size_t end) {
-    Placer placer(scene, atlas, tracer, sides, patches, options.seed);
+    Placer placer(scene, shut, gated, options.seed);
     for (size_t i = begin; i < end; ++i) placer.nearness(probes.position[i], lattice.spacing, probes.lattice_point[i], &probes.nearness[i * kNearnessNodes]);
   });
   probes.position.insert(probes.position.end(), options.points.begin(), options.points.end());

@@ -6,8 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "precompute/trace/tracer.h"
-#include "precompute/transport/radiosity/patches.h"
+#include "precompute/transport/radiosity/gated_hits.h"
 
 namespace lightwell::transport {
 
@@ -54,7 +53,7 @@ struct ProbeOptions {
 /// The lattice that fills the bounds: half a spacing from their sides. Throws UsageError when it has more than kMostLatticePoints.
 ProbeLattice makeProbeLattice(const Box3& bounds, const ProbeOptions& options, double metres_per_unit);
 
-Probes placeProbes(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, const Patches& patches,
-                   const ProbeOptions& options);
+/// `shut`: tracer of the scene with all portals shut: no light is interpolated through a door's leaf. `gated` tells which probes are in the same air.
+Probes placeProbes(const scene::Scene& scene, const trace::Tracer& shut, const GatedTracer& gated, uint32_t patches, const ProbeOptions& options);
 
 }  // namespace lightwell::transport
