@@ -2,15 +2,13 @@
 
 #include "precompute/core/random.h"
 #include "precompute/transport/exposure.h"
+#include "precompute/transport/radiosity/patch_bytes.h"
+#include "precompute/transport/stage_bytes.h"
 
 namespace lightwell::transport {
 namespace {
 
 constexpr uint64_t kTrainingSeed = 0x7ea1717e5ull;  // apart from the seeds that errors are measured with
-
-void require(bool condition) {
-  if (!condition) throw std::runtime_error("a task result is damaged");
-}
 
 void write(ByteWriter& writer, const RadiosityTraining::Matrix& matrix) { writer.array(std::span<const float>(matrix.data(), size_t(matrix.size()))); }
 
@@ -18,12 +16,6 @@ RadiosityTraining::Matrix readMatrix(ByteReader& reader, size_t rows) {
   const auto values = reader.array<float>();
   require(rows > 0 && values.size() % rows == 0);
   return Eigen::Map<const RadiosityTraining::Matrix>(values.data(), Eigen::Index(rows), Eigen::Index(values.size() / rows));
-}
-
-template <class Index>
-void requireRows(const std::vector<Index>& first, size_t entries) {
-  require(!first.empty() && first.front() == 0 && first.back() == entries);
-  for (size_t i = 1; i < first.size(); ++i) require(first[i - 1] <= first[i]);
 }
 
 }  // namespace
@@ -91,42 +83,15 @@ Bytes makePatchBytes(const scene::Scene& scene, const atlas::Atlas& atlas, const
   options.seed = settings.seed;
   options.threads = threads;
   options.cancel = cancel;
-  const Patches patches = makePatches(scene, atlas, tracer, sides, exposed, options);
-  ByteWriter writer;
-  writer.array(exposed);
-  writer.array(patches.texels_per_side);
-  writer.array(patches.first_side);
-  writer.array(patches.side);
-  writer.array(patches.patch_of_side);
-  writer.array(patches.area);
-  writer.array(patches.exposed_share);
-  writer.array(patches.position);
-  writer.array(patches.normal);
-  writer.array(patches.material);
-  return writer.take();
+  return patchBytes({exposed, makePatches(scene, atlas, tracer, sides, exposed, options)});
 }
 
 RadiosityBaker::RadiosityBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const RadiositySettings& settings,
                                ByteView bytes)
     : impl_(new Impl{scene, atlas, tracer, settings, surfaceSides(atlas), {}, {}, {}, {}, openTracer(scene, 0), {}}) {
-  ByteReader reader(bytes);
-  Patches& patches = impl_->patches;
-  impl_->exposed = reader.array<float>();
-  patches.texels_per_side = reader.array<uint8_t>();
-  patches.first_side = reader.array<uint32_t>();
-  patches.side = reader.array<uint32_t>();
-  patches.patch_of_side = reader.array<uint32_t>();
-  patches.area = reader.array<float>();
-  patches.exposed_share = reader.array<float>();
-  patches.position = reader.array<Vec3>();
-  patches.normal = reader.array<Vec3>();
-  patches.material = reader.array<uint32_t>();
-  const size_t count = patches.area.size(), sides = impl_->sides.slot.size();
-  requireRows(patches.first_side, patches.side.size());
-  require(patches.first_side.size() == count + 1 && impl_->exposed.size() == sides && patches.patch_of_side.size() == sides);
-  for (const size_t size : {patches.texels_per_side.size(), patches.exposed_share.size(), patches.position.size(), patches.normal.size(), patches.material.size()})
-    require(size == count);
-  for (const uint32_t side : patches.side) require(side < sides);
+  ExposedPatches read = readPatches(bytes, impl_->sides.slot.size());
+  impl_->exposed = std::move(read.exposed);
+  Patches& patches = impl_->patches = std::move(read.patches);
   colorPatches(atlas, impl_->sides, impl_->exposed, patches);
   zonePatches(scene, atlas, impl_->sides, settings.patches, patches);
   impl_->gated_tracer = std::make_unique<GatedTracer>(scene, atlas, tracer, impl_->open_tracer.get(), impl_->sides, patches);

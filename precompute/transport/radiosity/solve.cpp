@@ -1,12 +1,9 @@
 #include "precompute/transport/radiosity/solve.h"
 
-#include <Eigen/Dense>
-#include <deque>
+#include "precompute/transport/fixed_point.h"
 
 namespace lightwell::transport {
 namespace {
-
-constexpr size_t kHistory = 8;  // sweeps that the acceleration combines
 
 using Vector = Eigen::VectorXd;  // one channel
 
@@ -42,7 +39,10 @@ class Channel {
     Vector irradiance(links_.rows());
     for (uint32_t row = 0; row < links_.rows(); ++row) {
       double sum = 0;
-      for (uint32_t l = links_.first[row]; l < links_.first[row + 1]; ++l) sum += (links_.set.empty() ? 1.0 : set_factor_[links_.set[l]]) * linkWeight(links_.code[l]) * node[links_.node[l]];
+      for (uint32_t l = links_.first[row]; l < links_.first[row + 1]; ++l) {
+        const double passes = links_.set.empty() ? 1.0 : set_factor_[links_.set[l]];
+        sum += passes * linkWeight(links_.code[l]) * node[links_.node[l]];
+      }
       irradiance[row] = sum * links_.row_scale[row];
     }
     return irradiance;
@@ -72,37 +72,11 @@ RadiositySolution solveRadiosity(const RadiosityLinks& links, const PatchTree& t
   for (int c = 0; c < 3; ++c) {
     const Channel channel(links, tree, set_factor, c);
     const Vector albedo = channel.of(albedo_rgb), source = albedo.cwiseProduct(channel.of(direct_rgb)) + channel.of(emitted_rgb);
-    Vector x = Vector::Zero(links.rows());
-    std::deque<Vector> x_change, g_change;
-    Vector last_x, last_g, last_f;
-    uint32_t sweeps = 0;
-    double residual = 0;
-    while (sweeps < most_sweeps) {
-      const Vector g = channel.gather(albedo.cwiseProduct(x) + source);
-      const Vector f = g - x;
-      ++sweeps;
-      residual = g.norm() == 0 ? 0.0 : f.norm() / g.norm();
-      if (residual <= tolerance) {
-        x = g;
-        break;
-      }
-      if (last_g.size() > 0) {
-        x_change.push_back(f - last_f);
-        g_change.push_back(g - last_g);
-        if (x_change.size() > kHistory) x_change.pop_front(), g_change.pop_front();
-      }
-      last_g = g, last_f = f;
-      x = g;
-      if (!x_change.empty()) {
-        Eigen::MatrixXd differences(f.size(), Eigen::Index(x_change.size()));
-        for (size_t i = 0; i < x_change.size(); ++i) differences.col(Eigen::Index(i)) = x_change[i];
-        const Vector gamma = differences.colPivHouseholderQr().solve(f);
-        for (size_t i = 0; i < x_change.size(); ++i) x -= gamma[Eigen::Index(i)] * g_change[i];
-      }
-    }
-    solution.sweeps = std::max(solution.sweeps, sweeps);
-    solution.residual = std::max(solution.residual, residual);
-    for (uint32_t i = 0; i < links.rows(); ++i) solution.irradiance_rgb[i][c] = float(x[i]);
+    const FixedPoint fixed = solveFixedPoint(Eigen::Index(links.rows()), [&](const Vector& x) { return channel.gather(albedo.cwiseProduct(x) + source); }, tolerance,
+                                             most_sweeps);
+    solution.sweeps = std::max(solution.sweeps, fixed.sweeps);
+    solution.residual = std::max(solution.residual, fixed.residual);
+    for (uint32_t i = 0; i < links.rows(); ++i) solution.irradiance_rgb[i][c] = float(fixed.x[i]);
   }
   return solution;
 }

@@ -55,7 +55,8 @@ void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& ir
     const atlas::SurfacePoint point = atlas::sampleSlot(scene.mesh, atlas, atlas.slots[start.slot], pick, place);
     Path path;
     path.index = i;
-    path.vertex = {point.position, point.normal, point.geometric_normal};
+    const float side = start.back ? -1.0f : 1.0f;
+    path.vertex = {point.position, point.normal * side, point.geometric_normal * side};
     paths_.push_back(path);
   }
 

@@ -31,19 +31,20 @@ struct PathVertex {
   Vec3 geometric_normal;  // unit, on the lit side; light from below is not received
 };
 
-/// A path that starts on the surface of a slot. Its random numbers are the points number `sample` of `sampler`.
+/// A path that starts on the surface of a slot, on its front or its back. Its random numbers are the points number `sample` of `sampler`.
 struct PathStart {
   uint32_t slot;
   uint32_t sample;
   Sampler sampler;
   uint64_t key;  // of the path among all: decides which rays pass through blended surfaces
+  bool back = false;
 };
 
 class PathBatch {
  public:
   explicit PathBatch(const PathContext& context) : context_(context) {}
 
-  /// Traces all paths to their end. `irradiance_rgb[i]` is an unbiased estimate of the irradiance at the slot of starts[i].
+  /// Traces all paths to their end. `irradiance_rgb[i]` is an unbiased estimate of the irradiance at the surface of starts[i].
   void trace(const std::vector<PathStart>& starts, std::vector<Rgb>& irradiance_rgb);
 
  private:

@@ -1,0 +1,143 @@
+// Light maps of static lights: closed forms, path tracing, stages.
+#include <gtest/gtest.h>
+
+#include "precompute/core/parallel.h"
+#include "precompute/transport/lightmap/bake_lightmap.h"
+#include "precompute/transport/lightmap/share.h"
+#include "precompute/transport/pooled_error.h"
+#include "precompute/transport/reference/reference.h"
+#include "tests/support/prepared_scene.h"
+#include "tests/support/scenes.h"
+
+namespace lightwell::transport {
+namespace {
+
+using Prepared = test::PreparedScene;
+
+/// All stages, cut into ranges of `grain`, on `threads` threads.
+Lightmap bake(const Prepared& p, const LightmapSettings& settings, uint32_t grain = 200, int threads = 2) {
+  const CancelFlag cancel;
+  const Bytes patches = makeLightmapPatchBytes(p.scene, p.atlas, *p.tracer, settings, threads, nullptr);
+  const LightmapBaker baker(p.scene, p.atlas, *p.tracer, p.scene.lights, nullptr, settings, patches);
+  const auto stage = [&](uint32_t count, auto function) {
+    std::vector<Bytes> parts((count + grain - 1) / grain);
+    parallelFor(parts.size(), 1, threads, nullptr, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) parts[i] = function(uint32_t(i * grain), std::min(count, uint32_t((i + 1) * grain)));
+    });
+    return parts;
+  };
+  const auto views = [](const std::vector<Bytes>& parts) { return std::vector<ByteView>(parts.begin(), parts.end()); };
+  const auto first = stage(baker.sideCount(), [&](uint32_t a, uint32_t b) { return baker.firstLight(a, b, cancel); });
+  const auto direct = stage(baker.sideCount(), [&](uint32_t a, uint32_t b) { return baker.directLight(a, b, views(first), cancel); });
+  const auto rows = stage(baker.patchCount(), [&](uint32_t a, uint32_t b) { return baker.rows(a, b); });
+  const Bytes radiosity = baker.radiosity(views(direct), views(rows), cancel);
+  const auto gathered = stage(baker.slotCount(), [&](uint32_t a, uint32_t b) { return baker.gather(a, b, radiosity, cancel); });
+  return baker.assemble(views(direct), views(gathered), threads, cancel);
+}
+
+scene::Scene roomWithBox(float albedo) {
+  test::SceneBuilder builder;
+  const uint32_t wall = builder.material(test::diffuse(albedo));
+  builder.room({-2, 0, -2}, {2, 3, 2}, wall);
+  // A box of 1 m, outside faces: it stands on the floor.
+  const Vec3 low(-0.6f, 0, -0.4f), x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  builder.quad(low + y, z, x, wall).quad(low, z, y, wall).quad(low + x, y, z, wall).quad(low, y, x, wall).quad(low + z, x, y, wall);
+  scene::Scene scene = builder.take();
+  scene.lights.push_back(test::pointLight({1.2f, 2.4f, 0.9f}, 10.0f));
+  return scene;
+}
+
+TEST(Lightmap, AFurnaceHasTheGeometricSeries) {
+  for (const float albedo : {0.5f, 0.9f, 0.99f}) {
+    const Prepared p(test::closedBox({1, 1, 1}, test::diffuse(albedo, 1.0f)), 32);
+    const Lightmap map = bake(p, {});
+    for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot) {
+      // Half of it straight from the walls, which all emit.
+      EXPECT_NEAR(map.direct_rgb[slot].x / kPi, 1.0f, 0.05f);
+      EXPECT_NEAR((map.direct_rgb[slot].x + map.indirect_rgb[slot].x) * (1 - albedo) / kPi, 1.0f, 0.03f) << albedo;
+    }
+  }
+}
+
+TEST(Lightmap, AClosedRoomKeepsTheEnergyOfALamp) {
+  for (const float albedo : {0.3f, 0.8f}) {
+    scene::Scene scene = test::closedBox({1, 1.5f, 2}, test::diffuse(albedo));
+    scene.lights.push_back(test::pointLight({0.3f, 0.4f, -0.7f}, 3.0f));
+    const Prepared p(std::move(scene), 48);
+    const Lightmap map = bake(p, {});
+    double direct = 0, indirect = 0;
+    for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot) {
+      direct += luminance(map.direct_rgb[slot]) * double(p.atlas.slots[slot].area);
+      indirect += luminance(map.indirect_rgb[slot]) * double(p.atlas.slots[slot].area);
+    }
+    EXPECT_NEAR(direct / (4 * kPi * 3.0), 1.0, 0.002);
+    EXPECT_NEAR(indirect / (4 * kPi * 3.0 * albedo / (1 - albedo)), 1.0, 0.005) << albedo;
+  }
+}
+
+TEST(Lightmap, IsWhatPathTracingGives) {
+  const Prepared p(roomWithBox(0.6f), 96);
+  const Lightmap map = bake(p, {});
+  std::vector<std::vector<Rgb>> references;
+  for (const uint64_t seed : {11u, 12u, 13u})
+    references.push_back(referenceIrradiance(p.scene, p.atlas, *p.tracer, p.scene.lights, Component::indirect, {.samples = 256, .seed = seed}).irradiance_rgb);
+  const auto indirect = compareWithReferences(references, map.indirect_rgb);
+  EXPECT_LT(indirect.relrmse, 0.03);
+  EXPECT_LT(indirect.texrel, 0.05);
+  EXPECT_LT(std::abs(indirect.bias), 0.006);
+  references.clear();
+  for (const uint64_t seed : {11u, 12u, 13u})
+    references.push_back(referenceIrradiance(p.scene, p.atlas, *p.tracer, p.scene.lights, Component::direct, {.samples = 1024, .seed = seed}).irradiance_rgb);
+  const auto direct = compareWithReferences(references, map.direct_rgb);
+  EXPECT_LT(direct.relrmse, 0.01);
+  EXPECT_LT(std::abs(direct.bias), 0.003);
+}
+
+TEST(Lightmap, SharingTakesNoiseAwayAndLeavesEdges) {
+  // A floor of one chart whose left half is lit four times as brightly, without any transition; noise of 20 %.
+  test::SceneBuilder builder;
+  builder.quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}, builder.material(test::diffuse(0.5f)));
+  const Prepared p(builder.take(), 64);
+  const auto truth = [&](uint32_t slot) { return p.atlas.slots[slot].position.x < 2 ? 4.0f : 1.0f + 0.1f * p.atlas.slots[slot].position.z; };
+  GatheredPair noisy;
+  for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot) {
+    const Sampler sampler(1, slot);
+    noisy.a_rgb.emplace_back(truth(slot) * (1 + 0.7f * (sampler.get1D(0, 0) - 0.5f)));
+    noisy.b_rgb.emplace_back(truth(slot) * (1 + 0.7f * (sampler.get1D(0, 1) - 0.5f)));
+  }
+  const std::vector<float> exposed(p.atlas.slots.size(), 1.0f);
+  const auto shared = shareIrradiance(p.atlas, exposed, noisy, 2, nullptr);
+  double before = 0, after = 0, edge = 0;
+  int edges = 0;
+  for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot) {
+    const double is = truth(slot), was = (noisy.a_rgb[slot].x + noisy.b_rgb[slot].x) / 2, now = shared[slot].x;
+    before += std::pow(was / is - 1, 2), after += std::pow(now / is - 1, 2);
+    if (std::abs(p.atlas.slots[slot].position.x - 2) < 0.1f) edge += std::pow(now / is - 1, 2), ++edges;
+  }
+  EXPECT_LT(after, 0.25 * before);
+  EXPECT_LT(std::sqrt(edge / edges), 0.4);
+}
+
+TEST(Lightmap, StagesDependNeitherOnThreadsNorOnHowTheyAreCut) {
+  const Prepared p(roomWithBox(0.5f), 32);
+  LightmapSettings settings;
+  settings.gather_rays = 16, settings.cache_rays = 32;
+  const Lightmap one = bake(p, settings, 1000, 1), many = bake(p, settings, 17, 3);
+  EXPECT_EQ(one.direct_rgb, many.direct_rgb);
+  EXPECT_EQ(one.indirect_rgb, many.indirect_rgb);
+}
+
+TEST(Lightmap, DamagedResultsAreRefused) {
+  const Prepared p(roomWithBox(0.5f), 24);
+  const Bytes patches = makeLightmapPatchBytes(p.scene, p.atlas, *p.tracer, {}, 1, nullptr);
+  const LightmapBaker baker(p.scene, p.atlas, *p.tracer, p.scene.lights, nullptr, {}, patches);
+  const CancelFlag cancel;
+  const Bytes part = baker.firstLight(0, 3, cancel);
+  const std::vector<ByteView> short_of{part};
+  EXPECT_THROW((void)baker.directLight(0, 3, short_of, cancel), std::runtime_error);
+  EXPECT_THROW((void)baker.gather(0, 3, part, cancel), std::runtime_error);
+  EXPECT_THROW((void)LightmapBaker(p.scene, p.atlas, *p.tracer, p.scene.lights, nullptr, {}, part), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace lightwell::transport
