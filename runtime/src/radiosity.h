@@ -82,6 +82,7 @@ struct lw_radiosity_state {
   Array<Float4> albedo;
   Array<Float4> emitted;                  // radiosity: π times radiance
   Array<Float4> direct;                   // irradiance of lights
+  Array<Float4> kept;                     // what blockers leave of it
   Array<Float4> irradiance;               // the solution so far: from other patches, emitters among them
   Array<Float4> node;                     // [nodes]: radiosity while sweeping
   Array<Float4> emitter_irradiance;       // straight from emitters; see emitter_irradiance_valid
@@ -92,7 +93,7 @@ namespace lightwell::runtime {
 
 constexpr float linkWeight(uint32_t code) { return float((16u + (code & 15u)) << (code >> 4)); }
 
-/// Fills node[0 … patches) with radiosities of the patches: albedo · (direct + irradiance) (LW_RADIOSITY_INDIRECT) + emitted (LW_RADIOSITY_EMITTERS).
+/// Fills node[0 … patches) with radiosities of the patches: albedo · (direct + kept · irradiance) (LW_RADIOSITY_INDIRECT) + emitted (LW_RADIOSITY_EMITTERS).
 void patchRadiosity(const lw_radiosity_state& state, const Float4* irradiance, Float4* node,
                     uint32_t light = LW_RADIOSITY_INDIRECT | LW_RADIOSITY_EMITTERS);
 /// Fills the nodes above the patches with the means of those below.

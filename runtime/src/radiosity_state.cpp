@@ -83,7 +83,7 @@ void patchRadiosity(const lw_radiosity_state& state, const Float4* irradiance, F
   const float reflected = light & LW_RADIOSITY_INDIRECT ? 1.0f : 0.0f, emitted = light & LW_RADIOSITY_EMITTERS ? 1.0f : 0.0f;
   for (size_t i = 0; i < state.radiosity->patches(); ++i)
     for (int k = 0; k < 4; ++k) {
-      const float b = reflected * state.albedo[i].v[k] * (state.direct[i].v[k] + irradiance[i].v[k]) + emitted * state.emitted[i].v[k];
+      const float b = reflected * state.albedo[i].v[k] * (state.direct[i].v[k] + state.kept[i].v[k] * irradiance[i].v[k]) + emitted * state.emitted[i].v[k];
       node[i].v[k] = finite(b);
     }
 }
@@ -140,7 +140,7 @@ lw_result lw_radiosity_state_create(const lw_radiosity* radiosity, lw_radiosity_
   const size_t patches = radiosity->patches();
   bool enough = state->material.allocate(state->host, radiosity->header.material_count) && state->gate_open.allocate(state->host, radiosity->gates) &&
                 state->gate_set_factor.allocate(state->host, radiosity->gate_sets) && state->node.allocate(state->host, radiosity->nodes());
-  for (auto* array : {&state->albedo, &state->emitted, &state->direct, &state->irradiance, &state->emitter_irradiance})
+  for (auto* array : {&state->albedo, &state->emitted, &state->direct, &state->kept, &state->irradiance, &state->emitter_irradiance})
     enough = enough && array->allocate(state->host, patches);
   if (!enough) {
     destroyHandle(state);
@@ -148,6 +148,7 @@ lw_result lw_radiosity_state_create(const lw_radiosity* radiosity, lw_radiosity_
   }
   std::memset(state->direct.data(), 0, state->direct.bytes());
   std::memset(state->irradiance.data(), 0, state->irradiance.bytes());
+  for (Float4& kept : state->kept) kept = {{1, 1, 1, 1}};
   for (auto& material : state->material) material = LW_RADIOSITY_MATERIAL_INIT;
   for (float& open : state->gate_open) open = 0;
   for (uint32_t m = 0; m < state->material.size(); ++m) applyMaterial(*state, m);

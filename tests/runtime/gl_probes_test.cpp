@@ -108,6 +108,42 @@ TEST_P(GlProbes, TheGamesShaderInterpolatesAsTheCpuDoes) {
   }
 }
 
+TEST_P(GlProbes, BlockersTakeTheSameLightAsOnTheCpu) {
+  LoadedProbes p(probesInRoom());
+  const std::vector<lw_blocker> blockers = {{{1, 0.5f, 1}, 0.5f, {0.9f, 0.5f, 0.1f}}, {{2, 1, 2.5f}, 0.8f, {0, 0, 0}}, {{0.3f, 0.2f, 3}, 0.6f, {1, 1, 1}}};
+  ASSERT_EQ(lw_radiosity_set_blockers(p.room.state, blockers.data(), 3), LW_OK);
+  upload(p, 9);
+  EXPECT_GT(relrmse(p.evaluate(9), [&] {
+              std::vector<float> sh(size_t(p.info.probes) * 27);
+              EXPECT_EQ(lw_gl_probes_evaluate(gpu, 3), LW_OK);
+              EXPECT_EQ(lw_gl_probes_read(gpu, sh.data()), LW_OK);
+              return sh;
+            }()), 0.01) << "nothing was uploaded yet";
+  ASSERT_EQ(lw_gl_radiosity_upload(radiosity, p.room.state, LW_GL_RADIOSITY_BLOCKERS), LW_OK) << message;
+  ASSERT_EQ(lw_gl_radiosity_solve(radiosity, 1e-6, 200, nullptr), LW_OK);
+  ASSERT_EQ(lw_gl_probes_evaluate(gpu, 3), LW_OK);
+  EXPECT_LT(relrmse(read(p), p.evaluate(9)), 2e-4);
+
+  std::vector<float> positions, normals, expected;
+  std::mt19937 random(7);
+  std::normal_distribution<float> gauss;
+  for (int i = 0; i < 2000; ++i) {
+    const float position[3] = {1.5f + gauss(random), 1 + gauss(random), 2 + gauss(random)};
+    float n[3] = {gauss(random), gauss(random), gauss(random)}, kept[3];
+    const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (float& v : n) v /= length;
+    ASSERT_EQ(lw_blockers_kept(blockers.data(), 3, position, n, kept), LW_OK);
+    positions.insert(positions.end(), {position[0], position[1], position[2], 0});
+    normals.insert(normals.end(), {n[0], n[1], n[2], 0});
+    expected.insert(expected.end(), {kept[0], kept[1], kept[2], 1});
+  }
+  const ListProgram program(GetParam(), lw_glsl_source(LW_GLSL_BLOCKERS), "lwBlockersKept(a.xyz, b.xyz)");
+  ASSERT_EQ(lw_gl_set_blockers(gl, program.name(), blockers.data(), 3), LW_OK) << message;
+  EXPECT_LT(relrmse(program.run(positions, normals, 0), expected), 1e-3);
+  const ListProgram other(GetParam(), "", "a.xyz");
+  EXPECT_EQ(lw_gl_set_blockers(gl, other.name(), blockers.data(), 3), LW_NOT_FOUND);
+}
+
 TEST_P(GlProbes, FollowTheDoor) {
   const auto bytes = toWriter(format::probesContent()).bytes();
   const Container container = openMemory(bytes);

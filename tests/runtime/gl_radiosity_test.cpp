@@ -160,7 +160,7 @@ TEST_P(GlRadiosity, RefusesWhatCannotBe) {
   LoadedRoom other(smaller);
   upload(room);
   EXPECT_EQ(lw_gl_radiosity_upload(gpu, other.state, LW_GL_RADIOSITY_DIRECT), LW_INVALID_ARGUMENT);
-  EXPECT_EQ(lw_gl_radiosity_upload(gpu, room.state, 8), LW_INVALID_ARGUMENT);
+  EXPECT_EQ(lw_gl_radiosity_upload(gpu, room.state, 16), LW_INVALID_ARGUMENT);
   EXPECT_EQ(lw_gl_radiosity_solve(gpu, 0, 10, nullptr), LW_INVALID_ARGUMENT);
   lw_radiosity_shading shading = LW_RADIOSITY_SHADING_INIT;
   shading.light = 8;

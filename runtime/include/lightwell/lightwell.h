@@ -432,6 +432,22 @@ LW_API lw_result lw_radiosity_injector_set_portals(lw_radiosity_injector *inject
  * out of range. */
 LW_API lw_result lw_radiosity_inject(lw_radiosity_injector *injector, const lw_light *lights, uint32_t light_count, float *irradiance_rgb);
 
+/* Things that move and stand in the way of ambient light: spheres. Each takes from the light of patches what of their hemisphere it fills (by the cosine), as if light came evenly
+ * from all around, and gives back its albedo times the same light; several multiply. A character is a handful of spheres. */
+typedef struct lw_blocker {
+  float position_m[3];     /* centre */
+  float radius_m;          /* ≥ 0 */
+  float albedo_rgb[3];     /* 0 to 1 */
+} lw_blocker;
+/* From now on patches reflect what blockers leave them of light from other patches (not of lamps: their shadows are the game's). What is shown of a patch, by lw_radiosity_shade or
+ * lw_radiosity_get_irradiance, is still without the blockers right above it: contact shadows are finer than patches, and belong to lw_blockers_kept or LW_GLSL_BLOCKERS.
+ * LW_INVALID_ARGUMENT names the blocker whose values are out of range; nothing changes then. Costs patches × count.
+ *
+ * blockers: copied; with count 0 there are none any more. */
+LW_API lw_result lw_radiosity_set_blockers(lw_radiosity_state *state, const lw_blocker *blockers, uint32_t count);
+/* What is left of indirect light at a point of a surface: the factor by which to multiply its irradiance. normal: unit. kept_rgb: 0 to 1. */
+LW_API lw_result lw_blockers_kept(const lw_blocker *blockers, uint32_t count, const float position_m[3], const float normal[3], float kept_rgb[3]);
+
 /* Sweeps over all links, each of them one more bounce, from the light that was there: last frame's is the start of this one's, and bounces beyond
  * the first cost nothing more. */
 LW_API lw_result lw_radiosity_step(lw_radiosity_state *state, uint32_t sweeps);

@@ -187,9 +187,9 @@ LW_API uint32_t lw_gl_radiosity_atlas_texture(const lw_gl_radiosity *gl_radiosit
 LW_API uint64_t lw_gl_radiosity_texture_bytes(const lw_gl_radiosity *gl_radiosity);
 
 /* What of a state is uploaded: bits. */
-enum { LW_GL_RADIOSITY_MATERIALS = 1, LW_GL_RADIOSITY_PORTALS = 2, LW_GL_RADIOSITY_DIRECT = 4 };
-/* Takes over what a state of the same form factors says; the light that the state holds is not touched. 16 bytes a patch for direct light, 32 for
- * materials, 4 a gate set for portals. */
+enum { LW_GL_RADIOSITY_MATERIALS = 1, LW_GL_RADIOSITY_PORTALS = 2, LW_GL_RADIOSITY_DIRECT = 4, LW_GL_RADIOSITY_BLOCKERS = 8 };
+/* Takes over what a state of the same form factors says; the light that the state holds is not touched. 16 bytes a patch for direct light and
+ * for blockers, 32 for materials, 4 a gate set for portals. */
 LW_API lw_result lw_gl_radiosity_upload(lw_gl_radiosity *gl_radiosity, const lw_radiosity_state *state, uint32_t what);
 
 /* lw_radiosity_step on the GPU: each sweep fetches twice for each link, and is three draws and two more for each level of nodes. */
@@ -226,6 +226,13 @@ LW_API lw_result lw_gl_radiosity_inject(lw_gl_radiosity_injector *injector, cons
 LW_API lw_result lw_gl_radiosity_read_direct(lw_gl_radiosity *gl_radiosity, float *irradiance_rgb);
 LW_API lw_result lw_gl_radiosity_read_irradiance(lw_gl_radiosity *gl_radiosity, float *irradiance_rgb);
 LW_API lw_result lw_gl_radiosity_read_atlas(lw_gl_radiosity *gl_radiosity, float *atlas_rgba);
+
+/* Blockers as pixels see them: sets the uniforms of LW_GLSL_BLOCKERS in `program`, which multiplies its indirect irradiance by
+ *
+ *   vec3 lwBlockersKept(vec3 position_m, vec3 normal)
+ *
+ * A program with more than 16 blockers defines LW_BLOCKERS before the source (two vectors each). LW_NOT_FOUND when the program does not use the snippet. State is restored. */
+LW_API lw_result lw_gl_set_blockers(lw_gl *gl, uint32_t program, const lw_blocker *blockers, uint32_t count);
 
 /* ---- Probes ----------------------------------------------------------------------------------------------------------------------- */
 
@@ -363,7 +370,9 @@ typedef enum lw_glsl {
   /* Light of a sky, for fragment shaders; see "Environment light" above. */
   LW_GLSL_ENVIRONMENT = 4,
   /* Light of probes at a position; see "Probes" above. Its uniforms are set by lw_gl_bind_probes. */
-  LW_GLSL_PROBES = 5
+  LW_GLSL_PROBES = 5,
+  /* Contact shadows of what moves; see lw_gl_set_blockers. */
+  LW_GLSL_BLOCKERS = 6
 } lw_glsl;
 
 /* GLSL source without a #version line, good for `#version 330 core` and `#version 300 es` alike. On ES it sets the default precision to highp

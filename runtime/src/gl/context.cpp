@@ -96,7 +96,7 @@ lw_result lw_gl::compilePrograms() {
                      {"lw_texel_map", "lw_basis", "lw_amount", "u_constant", "u_buried"},
                      {"lw_quads", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count"}, reconstruct);
   if (!result)
-    result = compile(*this, "patch radiosity", {kAddress, kRadiosityPatches}, {"u_albedo", "u_emitted", "u_direct", "u_irradiance"},
+    result = compile(*this, "patch radiosity", {kAddress, kRadiosityPatches}, {"u_albedo", "u_emitted", "u_direct", "u_irradiance", "u_kept"},
                      {"u_patches", "u_light"}, radiosity_patches);
   if (!result)
     result = compile(*this, "node radiosity", {kAddress, kRadiosityNodes}, {"u_node", "u_share"}, {"u_begin", "u_end", "u_child_begin"}, radiosity_nodes);
@@ -165,6 +165,7 @@ const char* lw_glsl_source(lw_glsl snippet) {
     case LW_GLSL_LOCAL_BASES: return gl::glsl::kLocalBases;
     case LW_GLSL_ENVIRONMENT: return gl::glsl::kEnvironment;
     case LW_GLSL_PROBES: return gl::glsl::kProbeLight;
+    case LW_GLSL_BLOCKERS: return gl::glsl::kBlockers;
   }
   return nullptr;
 }

@@ -33,6 +33,7 @@ void updateNodes(const lw_gl_radiosity& r, uint32_t light) {
   bind(api, 1, kTexture2dArray, r.emitted);
   bind(api, 2, kTexture2d, r.direct.texture);
   bind(api, 3, kTexture2d, r.irradiance[r.current].texture);
+  bind(api, 4, kTexture2dArray, r.kept);
   drawInto(r, r.node, 0, r.patches);
 
   // A level is made beside the others and copied to them: a texture must not be read while it is drawn into.

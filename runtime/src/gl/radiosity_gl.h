@@ -25,7 +25,7 @@ struct lw_gl_radiosity {
   Name link = 0, row = 0, run = 0;        // R32UI, RGBA32UI, RG32UI lists; see kRadiosityGather
   Name gate = 0;                          // R32F list, by gate set
   Name share = 0;                         // R32F list, by node; see kRadiosityNodes
-  Name albedo = 0, emitted = 0;           // RGBA32F lists, by patch
+  Name albedo = 0, emitted = 0, kept = 0; // RGBA32F lists, by patch
   Name texel_map = 0;                     // RG32UI, width × height: what a texel shows, what it has; 0xffffffff: nothing
   Name texel_patch = 0, texel_weight = 0; // RGBA32UI list; RG32UI list: four weights of eight bits, exposure
 

@@ -3,7 +3,7 @@
 namespace lightwell::runtime::gl::glsl {
 
 const char kRadiosityPatches[] = R"(
-uniform sampler2DArray u_albedo, u_emitted;
+uniform sampler2DArray u_albedo, u_emitted, u_kept;  // kept: what blockers leave
 uniform sampler2D u_direct, u_irradiance;
 uniform int u_patches, u_light;       // 1: reflected, 2: emitted
 out vec4 o_radiosity;
@@ -13,7 +13,7 @@ void main() {
   vec3 radiosity = vec3(0.0);
   if ((u_light & 2) != 0) radiosity = texelFetch(u_emitted, lwAddress(i), 0).rgb;
   if ((u_light & 1) != 0)
-    radiosity += texelFetch(u_albedo, lwAddress(i), 0).rgb * (texelFetch(u_direct, lwPixel(i), 0).rgb + texelFetch(u_irradiance, lwPixel(i), 0).rgb);
+    radiosity += texelFetch(u_albedo, lwAddress(i), 0).rgb * (texelFetch(u_direct, lwPixel(i), 0).rgb + texelFetch(u_kept, lwAddress(i), 0).rgb * texelFetch(u_irradiance, lwPixel(i), 0).rgb);
   o_radiosity = vec4(clamp(radiosity, vec3(-1e26), vec3(1e26)), 1.0);
 }
 )";

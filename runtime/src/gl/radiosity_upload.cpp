@@ -65,6 +65,7 @@ class Uploader : ListUploader {
     list(out_.gate, kTexelR32f, out_.gate_sets, nullptr);
     list(out_.albedo, kTexelRgba32f, patches, nullptr);
     list(out_.emitted, kTexelRgba32f, patches, nullptr);
+    list(out_.kept, kTexelRgba32f, patches, nullptr);
   }
 
   void uploadTexels() {
@@ -147,7 +148,7 @@ lw_result lw_gl_radiosity_create(lw_gl* context, const lw_radiosity* radiosity, 
     result = gl::Uploader(*gl_radiosity, *radiosity, options).upload();
     context->api.clearErrors();
   }
-  if (!result) result = lw_gl_radiosity_upload(gl_radiosity, as_baked, LW_GL_RADIOSITY_MATERIALS | LW_GL_RADIOSITY_PORTALS);
+  if (!result) result = lw_gl_radiosity_upload(gl_radiosity, as_baked, LW_GL_RADIOSITY_MATERIALS | LW_GL_RADIOSITY_PORTALS | LW_GL_RADIOSITY_BLOCKERS);
   lw_radiosity_state_destroy(as_baked);
   if (result) {
     lw_gl_radiosity_destroy(gl_radiosity);
@@ -159,7 +160,7 @@ lw_result lw_gl_radiosity_create(lw_gl* context, const lw_radiosity* radiosity, 
 
 lw_result lw_gl_radiosity_upload(lw_gl_radiosity* r, const lw_radiosity_state* state, uint32_t what) {
   if (!r || !state) return LW_INVALID_ARGUMENT;
-  if (what > (LW_GL_RADIOSITY_MATERIALS | LW_GL_RADIOSITY_PORTALS | LW_GL_RADIOSITY_DIRECT))
+  if (what > (LW_GL_RADIOSITY_MATERIALS | LW_GL_RADIOSITY_PORTALS | LW_GL_RADIOSITY_DIRECT | LW_GL_RADIOSITY_BLOCKERS))
     return r->host.fail(LW_INVALID_ARGUMENT, "nothing of this kind can be uploaded");
   if (state->albedo.size() != r->patches || state->gate_set_factor.size() != r->gate_sets || state->gate_open.size() != r->gate_open.size() || state->material.size() != r->materials)
     return r->host.fail(LW_INVALID_ARGUMENT, "the state is of other form factors");
@@ -180,6 +181,7 @@ lw_result lw_gl_radiosity_upload(lw_gl_radiosity* r, const lw_radiosity_state* s
     std::memcpy(r->gate_open.data(), state->gate_open.data(), r->gate_open.bytes());
     ++r->portals_uploaded;
   }
+  if (what & LW_GL_RADIOSITY_BLOCKERS) gl::uploadList(api, r->kept, gl::kTexelRgba32f, r->patches, state->kept.data());
   if (what & (LW_GL_RADIOSITY_MATERIALS | LW_GL_RADIOSITY_PORTALS)) r->emitters_valid = false;
   return what & LW_GL_RADIOSITY_DIRECT ? gl::uploadTarget(*r, r->direct, state->direct) : LW_OK;
 }
@@ -190,7 +192,7 @@ void lw_gl_radiosity_destroy(lw_gl_radiosity* r) {
   if (!r->owns_atlas) r->atlas.texture = 0;
   for (gl::Target* target : {&r->direct, &r->emitters, &r->irradiance[0], &r->irradiance[1], &r->irradiance[2], &r->node, &r->level, &r->atlas})
     gl::destroyTarget(api, *target);
-  for (const gl::Name name : {r->link, r->row, r->run, r->gate, r->share, r->albedo, r->emitted, r->texel_map, r->texel_patch, r->texel_weight})
+  for (const gl::Name name : {r->link, r->row, r->run, r->gate, r->share, r->albedo, r->emitted, r->kept, r->texel_map, r->texel_patch, r->texel_weight})
     if (name) api.DeleteTextures(1, &name);
   destroyHandle(r);
 }
