@@ -1,106 +1,14 @@
 // Probes for moving objects, from the bake to what the runtime makes of them: closed rooms, path tracing at small free facets, walls that no light may pass.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "format/encode/verify.h"
-#include "lightwell/lightwell.h"
-#include "precompute/bake/sections.h"
-#include "precompute/core/parallel.h"
 #include "precompute/transport/reference/reference.h"
-#include "tests/support/prepared_scene.h"
-#include "tests/support/scenes.h"
+#include "tests/bake/baked_room.h"
 
 namespace lightwell::bake {
 namespace {
-
-using transport::ProbeBaker;
-using transport::ProbeSettings;
-using transport::RadiosityBaker;
-
-transport::RadiositySettings smallRadiosity() {
-  transport::RadiositySettings settings;
-  settings.rays = 512;
-  settings.training_lights = 16;
-  return settings;
-}
-
-ProbeSettings lattice(float spacing) {
-  ProbeSettings settings;
-  settings.places.spacing = spacing;
-  return settings;
-}
-
-/// Radiosity and probes of a scene, loaded by the runtime.
-struct BakedRoom {
-  test::PreparedScene p;
-  transport::RadiositySettings radiosity_settings = smallRadiosity();
-  std::unique_ptr<RadiosityBaker> baker;
-  transport::RadiosityResult radiosity;
-  Bytes places;
-  transport::ProbeResult probes;
-  std::vector<uint8_t> file;
-  lw_container* container = nullptr;
-  lw_radiosity* form_factors = nullptr;
-  lw_radiosity_state* state = nullptr;
-  lw_probes* loaded = nullptr;
-  lw_probes_info info{};
-
-  explicit BakedRoom(scene::Scene scene, const ProbeSettings& settings, int size = 64, uint32_t grain = 64, int threads = 2) : p(std::move(scene), size) {
-    const Bytes patches = transport::makePatchBytes(p.scene, p.atlas, *p.tracer, radiosity_settings, threads, nullptr);
-    baker = std::make_unique<RadiosityBaker>(p.scene, p.atlas, *p.tracer, radiosity_settings, patches);
-    const auto views = [](const std::vector<Bytes>& parts) { return std::vector<ByteView>(parts.begin(), parts.end()); };
-    const std::vector<Bytes> hits{baker->hits(0, baker->patchCount())}, direct{baker->direct(0, baker->trainingLightCount())};
-    const Bytes trained = baker->train(views(hits), views(direct));
-    const std::vector<Bytes> links{baker->links(0, baker->patchCount(), trained)};
-    radiosity = baker->assemble(views(links), 2, nullptr);
-    places = transport::makeProbeBytes(p.scene, *p.tracer, *baker, settings, threads, nullptr);
-    const ProbeBaker probe_baker(*baker, settings, places);
-    std::vector<Bytes> probe_links((probe_baker.probes().count() + grain - 1) / grain);
-    parallelFor(probe_links.size(), 1, threads, nullptr, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        const auto first = uint32_t(i * grain);
-        probe_links[i] = probe_baker.links(first, probe_baker.hits(first, std::min(first + grain, probe_baker.probes().count())), trained);
-      }
-    });
-    probes = probe_baker.assemble(views(probe_links));
-    format::Writer writer;
-    addSceneSection(writer, p.scene);
-    addGeometrySection(writer, p.scene, p.atlas);
-    addAtlasSection(writer, p.atlas);
-    addRadiositySection(writer, radiosity, p.scene);
-    addProbesSection(writer, probes, p.scene.metres_per_unit);
-    file = writer.bytes();
-    EXPECT_EQ(lw_open_memory(file.data(), file.size(), nullptr, &container), LW_OK);
-    EXPECT_EQ(lw_radiosity_load(container, &form_factors), LW_OK);
-    EXPECT_EQ(lw_radiosity_state_create(form_factors, &state), LW_OK);
-    EXPECT_EQ(lw_probes_load(container, form_factors, &loaded), LW_OK);
-    EXPECT_EQ(lw_probes_get_info(loaded, &info), LW_OK);
-  }
-  ~BakedRoom() {
-    lw_probes_release(loaded);
-    lw_radiosity_state_destroy(state);
-    lw_radiosity_release(form_factors);
-    lw_close(container);
-  }
-  BakedRoom(const BakedRoom&) = delete;
-  BakedRoom& operator=(const BakedRoom&) = delete;
-
-  void shine(const scene::Light& light) {
-    std::vector<float> direct_rgb;
-    for (const float e : transport::patchIrradiance(p.scene, p.atlas, *p.tracer, baker->sides(), baker->patches(), light, 1)) direct_rgb.insert(direct_rgb.end(), 3, e);
-    EXPECT_EQ(lw_radiosity_set_direct(state, direct_rgb.data()), LW_OK);
-  }
-  /// All bounces, and what all probes have of them.
-  std::vector<float> evaluate() {
-    EXPECT_EQ(lw_radiosity_solve(state, 1e-7, 500, nullptr), LW_OK);
-    std::vector<float> sh(size_t(info.probes) * 27);
-    EXPECT_EQ(lw_probes_evaluate(loaded, state, nullptr, sh.data()), LW_OK);
-    return sh;
-  }
-};
 
 Vec3 irradianceAbout(const float* sh, const Vec3& normal) {
   const float n[3] = {normal.x, normal.y, normal.z};
@@ -276,6 +184,68 @@ TEST(Probes, TheAutomaticLatticeKeepsToItsBudget) {
   }
   EXPECT_EQ(transport::makeProbeLattice(Box3({-1, -1, -1}, {1, 1, 1}), {}, 1).size(), 0u);
   EXPECT_THROW(transport::makeProbeLattice(Box3({-1, -1, -1}, {1, 1, 1}), {.spacing = 1e-4f}, 1), UsageError);
+}
+
+/// A sphere of small tiles.
+void addSphere(test::SceneBuilder& builder, const Vec3& center, float radius, uint32_t material) {
+  constexpr int kTiles = 14;
+  for (int face = 0; face < 6; ++face)
+    for (int j = 0; j < kTiles; ++j)
+      for (int i = 0; i < kTiles; ++i) {
+        const auto point = [&](float u, float v) {
+          Vec3 p;
+          p[face / 2] = face % 2 ? -1.0f : 1.0f;
+          p[(face / 2 + 1) % 3] = std::tan((2 * u / kTiles - 1) * kPi / 4);
+          p[(face / 2 + 2) % 3] = std::tan((2 * v / kTiles - 1) * kPi / 4) * p[face / 2];
+          return p.normalized();
+        };
+        const auto u = float(i), v = float(j);
+        // A little larger than the cell, so that there are no gaps.
+        const Vec3 edge_s = (point(u + 1.05f, v + 0.5f) - point(u - 0.05f, v + 0.5f)) * radius, edge_t = (point(u + 0.5f, v + 1.05f) - point(u + 0.5f, v - 0.05f)) * radius;
+        builder.quad(center + point(u + 0.5f, v + 0.5f) * radius - (edge_s + edge_t) * 0.5f, edge_s, edge_t, material);
+      }
+}
+
+TEST(Blockers, ABlackBallOnTheFloorTakesWhatPathTracingSays) {
+  // A room lit by its ceiling and by lamps whose first reflection fills it.
+  const Vec3 center(0.4f, -1, 0.2f);
+  constexpr float kRadius = 0.5f;
+  const auto room = [](test::SceneBuilder& builder) {
+    const uint32_t wall = builder.material(test::diffuse(0.7f)), ceiling = builder.material(test::diffuse(0.5f, 1));
+    const Vec3 low(-2, -1.5f, -2), x(4, 0, 0), y(0, 3, 0), z(0, 0, 4);
+    builder.quad(low, z, x, wall).quad(low + y, x, z, ceiling).quad(low, y, z, wall).quad(low + x, z, y, wall).quad(low, x, y, wall).quad(low + z, y, x, wall);
+  };
+  test::SceneBuilder empty, with_ball;
+  room(empty), room(with_ball);
+  BakedRoom baked(empty.take(), lattice(2), 96);
+  const lw_blocker ball{{center.x, center.y, center.z}, kRadius, {0, 0, 0}};
+  ASSERT_EQ(lw_radiosity_set_blockers(baked.state, &ball, 1), LW_OK);
+  ASSERT_EQ(lw_radiosity_solve(baked.state, 1e-6, 200, nullptr), LW_OK);
+  std::vector<float> atlas(size_t(baked.p.atlas.width) * size_t(baked.p.atlas.height) * 4);
+  lw_radiosity_shading shading = LW_RADIOSITY_SHADING_INIT;
+  ASSERT_EQ(lw_radiosity_shade(baked.state, &shading, atlas.data()), LW_OK);
+
+  addSphere(with_ball, center, kRadius, with_ball.material(test::diffuse(0)));
+  const scene::Scene scene = with_ball.take();
+  const trace::Tracer tracer(scene, 1);
+  // The same texels in both: those of the floor.
+  std::vector<uint32_t> slots;
+  for (uint32_t i = 0; i < baked.p.atlas.slots.size(); ++i)
+    if (baked.p.scene.mesh.triangle_object[baked.p.atlas.patches[baked.p.atlas.slots[i].first_patch].triangle] == 0) slots.push_back(i);
+  const atlas::Atlas& floor = baked.p.atlas;
+  const auto reference = transport::referenceIrradianceOf(slots, scene, floor, tracer, {}, transport::Component::total, {.samples = 512}).irradiance_rgb;
+  double difference2 = 0, square = 0, sum = 0, exact = 0;
+  for (size_t i = 0; i < slots.size(); ++i) {
+    const atlas::Slot& slot = floor.slots[slots[i]];
+    const float position[3] = {slot.position.x, slot.position.y, slot.position.z}, normal[3] = {0, 1, 0};
+    float kept[3];
+    ASSERT_EQ(lw_blockers_kept(&ball, 1, position, normal, kept), LW_OK);
+    const double e = double(atlas[size_t(slot.texel) * 4]) * double(kept[0]), r = double(reference[i].x);
+    difference2 += (e - r) * (e - r), square += r * r, sum += e, exact += r;
+  }
+  RecordProperty("relrmse", std::to_string(std::sqrt(difference2 / square)));
+  EXPECT_LT(std::sqrt(difference2 / square), 0.08);
+  EXPECT_NEAR(sum / exact, 1, 0.04);
 }
 
 }  // namespace
