@@ -1,5 +1,7 @@
 #include "cli/bake_options.h"
 
+#include <algorithm>
+
 #include <charconv>
 
 #include "cli/command.h"
@@ -61,6 +63,11 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
       ->capture_default_str();
   command.add_option("--probes", options.probes, "With radiosity: more probes, at the points of {\"probes\": [[x, y, z], ...]}, metres in the scene's own coordinates")
       ->type_name("PROBES.json");
+  command
+      .add_option("--portal", options.request.settings.portals,
+                  "Node that is a door or a shutter, shut in the file, besides those that its extras mark; may be repeated, and NAME may end in * (docs/radiosity.md)")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
   addEnvironment(command, options.request.source.environment, options.request.settings.environment);
   command
       .add_option("--environment-samples", options.request.settings.environment_samples,
@@ -93,6 +100,8 @@ float probeSpacing(const std::string& text) {
 void resolve(BakeOptions& options) {
   plan::Settings& settings = options.request.settings;
   settings.techniques = plan::parseTechniques(options.techniques);
+  std::sort(settings.portals.begin(), settings.portals.end());
+  settings.portals.erase(std::unique(settings.portals.begin(), settings.portals.end()), settings.portals.end());
   settings.quality = *plan::qualityNamed(options.quality);
   settings.prm_layout = *plan::prmLayoutNamed(options.prm_layout);
   settings.prm_estimator = *plan::prmEstimatorNamed(options.prm_estimator);

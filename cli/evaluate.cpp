@@ -4,6 +4,7 @@
 #include "cli/command.h"
 #include "cli/environment_evaluator.h"
 #include "cli/irradiance_image.h"
+#include "cli/portal_options.h"
 #include "cli/prm_evaluator.h"
 #include "cli/radiosity_evaluator.h"
 #include "format/encode/reader.h"
@@ -23,6 +24,7 @@ struct Options {
   std::optional<fs::path> lights;
   std::optional<uint32_t> brightest;
   std::optional<uint32_t> injection;
+  std::vector<std::string> portals;
   uint32_t samples = 64;
   render::EnvironmentSettings environment;
   int threads = 0;
@@ -74,10 +76,10 @@ std::vector<Rgb> lightOfTransport(Session& session, const Options& options, Comp
 
 /// What the section "radiosity" adds, one value per slot.
 std::vector<Rgb> lightOfRadiosity(Session& session, const Options& options, Component component, const RuntimeContainer& runtime,
-                                  const bake::ContainerScene& container, const trace::Tracer& tracer) {
+                                  const bake::ContainerScene& container, const std::vector<float>& portal_open, const trace::Tracer& tracer) {
   session.console.progress("radiosity", "radiosity …");
   RadiosityEvaluation evaluation{.container = runtime, .scene = container, .tracer = tracer, .light = 0, .samples = options.samples,
-                                 .injection = options.injection, .threads = options.threads, .cancel = &session.interrupt.flag()};
+                                 .portal_open = portal_open, .injection = options.injection, .threads = options.threads, .cancel = &session.interrupt.flag()};
   if (component != Component::direct) evaluation.light |= LW_RADIOSITY_INDIRECT;
   if (component != Component::indirect) evaluation.light |= LW_RADIOSITY_EMITTERS;
   return valuesOfSlots(container.atlas, options.evaluator == "gl" ? evaluateRadiosityOnGl(evaluation) : evaluateRadiosityOnCpu(evaluation));
@@ -109,7 +111,10 @@ void run(Session& session, const Options& options) {
   bake::ContainerScene container = bake::loadContainerScene(reader, diagnostics);
   if (options.lights) scene::replaceLights(container.scene, *options.lights, diagnostics);
   for (const auto& warning : diagnostics.warnings()) session.console.warning(warning);
-  const trace::Tracer tracer(container.scene, options.threads);
+  const std::vector<PortalState> portals = parsePortalStates(options.portals);
+  if (!portals.empty() && !by_patches) throw UsageError("--portal: only --technique radiosity knows of portals; the others have them shut");
+  const std::vector<float> portal_open = portalsOpen(portals, container.scene.portals);
+  const trace::Tracer tracer(container.scene, options.threads, portal_open);
   session.interrupt.flag().check();
 
   const RuntimeContainer runtime(options.container);
@@ -125,7 +130,7 @@ void run(Session& session, const Options& options) {
   if (component != Component::indirect && !container.scene.lights.empty()) add(lightOfLamps(session, options, container, tracer));
   if (by_cells && component != Component::indirect) add(lightOfSky(session, options, runtime, container, tracer));
   const uint32_t sky = by_cells ? LW_SKY_INDIRECT : LW_SKY_INDIRECT | LW_SKY_DIRECT;
-  if (by_patches) add(lightOfRadiosity(session, options, component, runtime, container, tracer));
+  if (by_patches) add(lightOfRadiosity(session, options, component, runtime, container, portal_open, tracer));
   else if (reader.has("prm")) add(lightOfTransport(session, options, component, sky, runtime, container, tracer));
   const ImageRgba image = imageOfSlots(container.scene.mesh, container.atlas, size, irradiance_rgb);
   writeOutput(session, options.output, [&] { writeExr(options.output, image); });
@@ -161,6 +166,7 @@ void addEvaluate(CLI::App& app, Session& session) {
                    "instead of from rays")
       ->type_name("N")
       ->check(CLI::Range(8u, 4096u));
+  addPortalStates(*command, options->portals, "Radiosity only: how far the portal of that name is open");
   addLights(*command, options->lights);
   command->add_option("--samples", options->samples, "Points of each texel at which light of lamps and cells is sampled")
       ->type_name("N")

@@ -52,6 +52,12 @@ json sectionsJson(const format::Reader& reader) {
   return sections;
 }
 
+json portalsJson(const v1::RadiosityHeader& radiosity) {
+  json portals = json::array();
+  for (const auto& portal : radiosity.portals()) portals.push_back({{"name", portal.name()}, {"strips", portal.strips()}, {"triangles", portal.triangles()}});
+  return portals;
+}
+
 /// The parts of the headers that people ask for.
 json contentJson(const format::Reader& reader) {
   json content = json::object();
@@ -96,7 +102,7 @@ json contentJson(const format::Reader& reader) {
                             {"has_emission", radiosity.has_emission()},
                             {"has_backs", radiosity.has_backs()},
                             {"materials", names(radiosity.materials())},
-                            {"portals", names(radiosity.portals())}};
+                            {"portals", portalsJson(radiosity)}};
   }
   if (reader.has("probes", "header")) {
     const auto probes = reader.probes();
@@ -165,6 +171,14 @@ std::string shapeText(const json& shape) {
 
 std::string padded(std::string text, size_t width) { return text.append(text.size() < width ? width - text.size() : 1, ' '); }
 
+/// Whether the plan has added radiosity of its own accord.
+bool isThereForPortals(const json& d) {
+  const json& content = d["content"];
+  if (!content.contains("radiosity") || content["radiosity"]["portals"].empty() || d["provenance"].is_null()) return false;
+  const json& settings = d["provenance"]["settings"];
+  return settings.is_object() && settings.value("techniques", json()) == "auto";
+}
+
 void printForPeople(const json& d) {
   const auto out = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
   out(d["file"].get<std::string>() + ": container version " + d["version"].get<std::string>() + ", " +
@@ -196,6 +210,7 @@ void printForPeople(const json& d) {
   for (const auto& e : d["errors"])
     out("measured error of " + e["section"].get<std::string>() + ": relrmse " + e["relrmse"].dump() + ", texrel " + e["texrel"].dump() +
         ", bias " + e["bias"].dump() + " against " + e["against"].get<std::string>());
+  if (isThereForPortals(d)) out("with radiosity: the scene has portals, which the other sections have as they are in the file");
   for (const auto& o : d["omitted"]) out("without " + o["type"].get<std::string>() + ": " + o["reason"].get<std::string>());
 }
 

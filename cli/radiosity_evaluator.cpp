@@ -109,13 +109,14 @@ struct DestroyInjector {
   void operator()(lw_radiosity_injector* injector) const { lw_radiosity_injector_destroy(injector); }
 };
 
-std::vector<float> injectedIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity) {
+std::vector<float> injectedIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity, const lw_radiosity_state* state) {
   const RuntimeContainer& container = evaluation.container;
   lw_radiosity_info info;
   container.check(lw_radiosity_get_info(radiosity, &info));
   lw_radiosity_injector* made = nullptr;
   container.check(lw_radiosity_injector_create(container.get(), radiosity, *evaluation.injection, &made));
   const std::unique_ptr<lw_radiosity_injector, DestroyInjector> injector(made);
+  container.check(lw_radiosity_injector_set_portals(injector.get(), state));
   const std::vector<lw_light> lights = lampsOf(evaluation);
   std::vector<float> irradiance_rgb(size_t(info.patches) * 3);
   container.check(lw_radiosity_inject(injector.get(), lights.data(), uint32_t(lights.size()), irradiance_rgb.data()));
@@ -124,11 +125,17 @@ std::vector<float> injectedIrradiance(const RadiosityEvaluation& evaluation, con
 
 }  // namespace
 
+void setPortals(const RadiosityEvaluation& evaluation, lw_radiosity_state* state) {
+  for (uint32_t i = 0; i < evaluation.portal_open.size(); ++i) evaluation.container.check(lw_radiosity_set_portal(state, i, evaluation.portal_open[i]));
+}
+
 std::vector<float> evaluateRadiosityOnCpu(const RadiosityEvaluation& evaluation) {
   const RuntimeContainer& container = evaluation.container;
   const auto radiosity = container.loadRadiosity();
   const auto state = container.createState(radiosity.get());
-  container.check(lw_radiosity_set_direct(state.get(), (evaluation.injection ? injectedIrradiance : tracedIrradiance)(evaluation, radiosity.get()).data()));
+  setPortals(evaluation, state.get());
+  const auto direct_rgb = evaluation.injection ? injectedIrradiance(evaluation, radiosity.get(), state.get()) : tracedIrradiance(evaluation, radiosity.get());
+  container.check(lw_radiosity_set_direct(state.get(), direct_rgb.data()));
   container.check(lw_radiosity_solve(state.get(), kTolerance, kMostSweeps, nullptr));
   lw_radiosity_info info;
   container.check(lw_radiosity_get_info(radiosity.get(), &info));

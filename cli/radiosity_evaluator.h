@@ -16,6 +16,7 @@ struct RadiosityEvaluation {
   const trace::Tracer& tracer;         // of that scene
   uint32_t light = LW_RADIOSITY_INDIRECT;  // LW_RADIOSITY_… bits to add
   uint32_t samples = 64;               // points of each texel at which light of lamps is sampled
+  std::vector<float> portal_open;      // per portal of the scene, 0 to 1, as the tracer has them
   std::optional<uint32_t> injection;   // texels along a face of the lights' views; unset: rays
   int threads = 0;
   const CancelFlag* cancel = nullptr;
@@ -29,5 +30,6 @@ std::vector<float> evaluateRadiosityOnGl(const RadiosityEvaluation& evaluation);
 /// Direct irradiance of the scene's lights on the patches, [patches][3], from rays: the power that falls on a patch over its exposed area.
 std::vector<float> tracedIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity);
 std::vector<lw_light> lampsOf(const RadiosityEvaluation& evaluation);
+void setPortals(const RadiosityEvaluation& evaluation, lw_radiosity_state* state);
 
 }  // namespace lightwell::cli

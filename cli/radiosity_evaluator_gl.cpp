@@ -22,6 +22,8 @@ std::vector<float> evaluateRadiosityOnGl(const RadiosityEvaluation& evaluation) 
   lw_gl_radiosity* gl_radiosity_raw = nullptr;
   container.check(lw_gl_radiosity_create(gl.get(), radiosity.get(), &options, &gl_radiosity_raw));
   const GlRadiosityHandle gl_radiosity(gl_radiosity_raw);
+  setPortals(evaluation, state.get());
+  container.check(lw_gl_radiosity_upload(gl_radiosity.get(), state.get(), LW_GL_RADIOSITY_PORTALS));
   if (evaluation.injection) {
     lw_gl_radiosity_injector* injector_raw = nullptr;
     container.check(lw_gl_radiosity_injector_create(gl_radiosity.get(), container.get(), radiosity.get(), *evaluation.injection, &injector_raw));

@@ -4,6 +4,7 @@
 
 #include "cli/command.h"
 #include "cli/irradiance_image.h"
+#include "cli/portal_options.h"
 #include "precompute/bake/context.h"
 #include "precompute/transport/reference/reference.h"
 
@@ -18,8 +19,20 @@ struct Options {
   std::string component = "total";
   plan::Settings settings;
   uint32_t samples = 256;
+  std::vector<std::string> portals;
   int threads = 0;
 };
+
+/// Emitters are sampled as they are in the file.
+void warnOfEmittingLeaves(Session& session, const bake::BakeContext& context, const std::vector<float>& portal_open) {
+  const scene::Scene& scene = context.scene();
+  for (size_t i = 0; i < scene.portals.size(); ++i) {
+    bool emits = false;
+    for (uint32_t t = 0; t < scene.portals[i].triangle_count; ++t)
+      emits |= maxComponent(scene.materials[scene.mesh.triangle_material[scene.portals[i].first_triangle + t]].emissive) > 0;
+    if (emits && portal_open[i] > 0) session.console.warning({scene.portals[i].gltf_path, "the leaf emits light: what of it has opened shines on"});
+  }
+}
 
 void run(Session& session, Options& options) {
   checkWritable(options.output);
@@ -27,6 +40,8 @@ void run(Session& session, Options& options) {
   checkReadable(options.source.scene);
   if (options.source.lights) checkReadable(*options.source.lights);
   if (options.source.environment) checkReadable(*options.source.environment);
+  const std::vector<PortalState> portals = parsePortalStates(options.portals);
+  for (const auto& [name, open] : portals) options.settings.portals.push_back(name);
   Diagnostics diagnostics;
   const bake::BakeContext context(options.source, options.settings, options.threads, diagnostics, session.interrupt.flag(),
                                   [&](const std::string& stage) { session.console.progress(stage, stage + " …"); });
@@ -38,7 +53,11 @@ void run(Session& session, Options& options) {
                                           .sky = context.skyLight(), .cancel = &session.interrupt.flag()};
     ProgressMeter meter(session.console, "path tracing");
     reference.progress = [&](double fraction) { meter.update(fraction); };
-    map = transport::referenceIrradiance(context.scene(), context.atlas(), *context.tracer(), context.scene().lights,
+    const std::vector<float> portal_open = portalsOpen(portals, context.scene().portals);
+    warnOfEmittingLeaves(session, context, portal_open);
+    std::optional<trace::Tracer> open_tracer;
+    if (!portals.empty()) open_tracer.emplace(context.scene(), options.threads, portal_open);
+    map = transport::referenceIrradiance(context.scene(), context.atlas(), open_tracer ? *open_tracer : *context.tracer(), context.scene().lights,
                                          componentNamed(options.component), reference);
   }
   const int size = options.settings.lightmap_size;
@@ -68,6 +87,7 @@ void addReference(CLI::App& app, Session& session) {
   command->add_option("--standard-error", options->standard_error, "Also write the standard error of each texel")->type_name("SE.exr");
   addLights(*command, options->source.lights);
   addEnvironment(*command, options->source.environment, options->settings.environment);
+  addPortalStates(*command, options->portals, "How far the node of that name, a portal, is open");
   addThreads(*command, options->threads);
   command->footer("Example:\n  lightwell reference room.glb --component indirect --lightmap-size 256 --samples 1024 -o reference.exr");
   command->callback([&session, options] { run(session, *options); });

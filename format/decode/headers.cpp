@@ -40,12 +40,17 @@ bool parseLight(std::string_view message, Light& light) {
 
 bool parsePortal(std::string_view message, RadiosityPortal& portal) {
   WireReader reader(message);
+  Vector<float, 3> axis{portal.axis_per_m};
   while (reader.next()) switch (reader.field()) {
       case 1: reader.read(portal.name); break;
       case 2: reader.read(portal.first_gate); break;
       case 3: reader.read(portal.strips); break;
+      case 4: reader.read(portal.first_triangle); break;
+      case 5: reader.read(portal.triangles); break;
+      case 6: axis.append(reader); break;
+      case 7: reader.read(portal.offset); break;
     }
-  return reader.ok();
+  return reader.ok() && (axis.complete() || axis.count == 0);
 }
 
 }  // namespace

@@ -48,6 +48,8 @@ struct EnvironmentHeader {
 struct RadiosityPortal {
   std::string_view name;       // into the message's bytes
   uint32_t first_gate = 0, strips = 0;
+  uint32_t first_triangle = 0, triangles = 0;
+  float axis_per_m[3] = {}, offset = 0;
 };
 
 struct RadiosityHeader {

@@ -46,10 +46,34 @@ class RadiosityChecks {
     if (nodeCount(patches_) > kMostNodes) return bad("more than 2^24 patches and nodes");
     if (header_.materials_size() == 0 || uint64_t(header_.materials_size()) > kMostMaterials) return bad("the number of materials is not between 1 and 65536");
     for (int i = 0; i < header_.portals_size(); ++i) {
-      if (header_.portals(i).first_gate() != gates_ || header_.portals(i).strips() == 0)
-        return bad("portal " + std::to_string(i) + " has no strips, or they do not follow those before");
-      gates_ += header_.portals(i).strips();
+      const v1::RadiosityPortal& portal = header_.portals(i);
+      const std::string place = "portal " + std::to_string(i);
+      if (portal.first_gate() != gates_ || portal.strips() == 0) return bad(place + " has no strips, or they do not follow those before");
+      gates_ += portal.strips();
       if (gates_ > kMostGates) return bad("more than 32768 gates");
+      if (!isLeaf(portal)) return bad(place + " has triangles without an axis, or an axis that is zero or not finite");
+    }
+    return leaves();
+  }
+
+  static bool isLeaf(const v1::RadiosityPortal& portal) {
+    if (portal.axis_size() != (portal.triangles() ? 3 : 0) || !std::isfinite(portal.offset())) return false;
+    double length2 = 0;
+    for (const float a : portal.axis()) length2 += double(a) * double(a);
+    return portal.triangles() == 0 || (length2 > 0 && std::isfinite(length2));
+  }
+
+  bool leaves() {
+    const ChunkInfo* index = context_.find("geometry", "index");
+    uint64_t end = 0;
+    for (int i = 0; i < header_.portals_size(); ++i) {
+      const v1::RadiosityPortal& portal = header_.portals(i);
+      if (portal.triangles() == 0) continue;
+      const bool after = portal.first_triangle() >= end;
+      end = uint64_t(portal.first_triangle()) + portal.triangles();
+      if (after && (!index || end <= index->elements / 3)) continue;
+      wrong(IssueId::cross_section, "header", "portal " + std::to_string(i) + " has triangles that are another portal's, or not there");
+      return false;
     }
     return true;
   }

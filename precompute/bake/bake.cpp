@@ -173,7 +173,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
 
   const v1::MetaHeader meta = metaOf(context, plan.omitted, options);
   const std::string parameters =
-      context.keys().surfaces.hex() + context.keys().lights.hex() + context.skyKey().hex() + meta.SerializeAsString();
+      context.keys().surfaces.hex() + context.keys().lights.hex() + context.keys().portals.hex() + context.skyKey().hex() + meta.SerializeAsString();
   const double texels = double(context.settings().lightmap_size) * context.settings().lightmap_size;
   result.container = result.graph.add(
       {"container", "container", "container", parameters, inputs, texels + 1,

@@ -138,12 +138,34 @@ void readMesh(const format::Reader& reader, scene::Scene& scene) {
 
 }  // namespace
 
+namespace {
+
+void readPortals(const format::Reader& reader, scene::Scene& scene) {
+  if (!reader.has("radiosity", "header")) return;
+  uint32_t end = 0;
+  for (const v1::RadiosityPortal& in : reader.radiosity().portals()) {
+    scene::Portal portal{.name = in.name(), .gltf_path = "radiosity/header", .first_triangle = in.first_triangle(), .triangle_count = in.triangles(), .strips = in.strips()};
+    if (in.triangles() > 0) {
+      if (in.first_triangle() < end || uint64_t(in.first_triangle()) + in.triangles() > scene.mesh.triangles.size())
+        reject(reader, "radiosity/header", "triangles of a portal are another's or not there");
+      end = in.first_triangle() + in.triangles();
+      portal.axis = Vec3(Vec3d(vectorOf(reader, in.axis(), "a portal's axis")) * scene.metres_per_unit);
+      portal.offset = in.offset();
+      if (!isFinite(portal.axis) || !std::isfinite(portal.offset)) reject(reader, "radiosity/header", "a portal's axis is not finite");
+    }
+    scene.portals.push_back(std::move(portal));
+  }
+}
+
+}  // namespace
+
 ContainerScene loadContainerScene(const format::Reader& reader, Diagnostics& diagnostics) {
   ContainerScene result;
   scene::Scene& scene = result.scene;
   scene.file = reader.file();
   readMesh(reader, scene);
   readMaterials(reader, scene);
+  readPortals(reader, scene);
   const v1::SceneHeader header = reader.scene();
   if (header.origin_size() != 3) reject(reader, "scene/header", "the origin does not have three components");
   scene.origin_m = Vec3d(header.origin(0), header.origin(1), header.origin(2));

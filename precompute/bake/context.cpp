@@ -88,7 +88,7 @@ BakeContext::BakeContext(const SceneSource& source, const plan::Settings& settin
   if (!facts_.has_scene) return;
   timed("import", [&] {
     const scene::FileTable* files = source.files ? &*source.files : nullptr;
-    scene_ = scene::importGltf(source.scene, {.light_units = settings.light_units, .files = files}, diagnostics);
+    scene_ = scene::importGltf(source.scene, {.light_units = settings.light_units, .files = files, .portals = settings.portals}, diagnostics);
     if (source.lights) scene::replaceLights(scene_, *source.lights, diagnostics, files);
     keys_ = sceneKeys(scene_, settings);
   });
@@ -109,6 +109,7 @@ BakeContext::BakeContext(const SceneSource& source, const plan::Settings& settin
                                (report.unfilled ? " (" + std::to_string(report.unfilled) + " have none)" : ""));
   });
   addFacts(atlas_, facts_);
+  facts_.has_portals = !scene_.portals.empty();
 }
 
 }  // namespace lightwell::bake

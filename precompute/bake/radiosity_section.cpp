@@ -6,6 +6,25 @@
 
 namespace lightwell::bake {
 
+namespace {
+
+void addPortals(const scene::Scene& scene, v1::RadiosityHeader& header) {
+  uint32_t gates = 0;
+  for (const scene::Portal& portal : scene.portals) {
+    v1::RadiosityPortal* out = header.add_portals();
+    out->set_name(portal.name);
+    out->set_first_gate(gates);
+    out->set_strips(portal.strips);
+    out->set_first_triangle(portal.first_triangle);
+    out->set_triangles(portal.triangle_count);
+    for (int i = 0; i < 3; ++i) out->add_axis(float(portal.axis[i] / scene.metres_per_unit));
+    out->set_offset(portal.offset);
+    gates += portal.strips;
+  }
+}
+
+}  // namespace
+
 void addRadiositySection(format::Writer& writer, const transport::RadiosityResult& radiosity, const scene::Scene& scene) {
   const transport::Patches& patches = radiosity.patches;
   const uint64_t count = patches.count(), texels = radiosity.texel.size();
@@ -16,6 +35,7 @@ void addRadiositySection(format::Writer& writer, const transport::RadiosityResul
   header.set_has_backs(!radiosity.texel_back_patch.empty());
   header.set_raw_transfers(radiosity.raw_transfers);
   for (const auto& material : scene.materials) header.add_materials()->set_name(material.name);
+  addPortals(scene, header);
   std::vector<float> area, position, albedo;
   std::vector<int16_t> normal;
   std::vector<uint16_t> material;
@@ -62,6 +82,13 @@ void addRadiositySection(format::Writer& writer, const transport::RadiosityResul
   writer.add("radiosity", "link_node", radiosity.links.node);
   writer.add("radiosity", "link_code", radiosity.links.code);
   writer.add("radiosity", "row_scale", radiosity.links.row_scale);
+  if (!scene.portals.empty()) {
+    std::vector<uint16_t> link_gates(radiosity.links.node.size(), 0);
+    std::copy(radiosity.links.set.begin(), radiosity.links.set.end(), link_gates.begin());
+    writer.add("radiosity", "link_gates", link_gates);
+    writer.add("radiosity", "gate_set_first", radiosity.links.sets.first());
+    writer.add("radiosity", "gate_set", radiosity.links.sets.entries());
+  }
   writer.add("radiosity", "texel", radiosity.texel);
   writer.add("radiosity", "texel_patch", texel_patch, {texels, 4});
   writer.add("radiosity", "texel_weight", weight, {texels, 4});

@@ -46,7 +46,7 @@ Parameters patchParameters(const BakeContext& context, const transport::Radiosit
   KeyHasher materials;
   materials.addArray(context.scene().mesh.triangle_material.data(), context.scene().mesh.triangle_material.size());
   const transport::PatchOptions& p = s.patches;
-  return Parameters(context.keys().geometry).add(materials.finish()).add(p.coarsest, p.finest, p.near_share, p.most, s.seed);
+  return Parameters(context.keys().geometry).add(materials.finish()).add(context.keys().portals).add(p.coarsest, p.finest, p.near_share, p.most, s.seed);
 }
 
 std::shared_ptr<const transport::RadiosityBaker> makeRadiosityBaker(const BakeContext& context, const transport::RadiositySettings& settings,

@@ -89,6 +89,14 @@ Key hashEmission(const scene::Scene& scene, const Key& geometry) {
   return hasher.finish();
 }
 
+Key hashPortals(const scene::Scene& scene) {
+  if (scene.portals.empty()) return {};
+  KeyHasher hasher;
+  for (const auto& portal : scene.portals)
+    hasher.add(portal.name).add(portal.first_triangle).add(portal.triangle_count).addArray(&portal.axis, 1).add(portal.offset).add(portal.strips);
+  return hasher.finish();
+}
+
 Key hashLights(const scene::Scene& scene) {
   KeyHasher hasher;
   hasher.add(scene.origin_m.x).add(scene.origin_m.y).add(scene.origin_m.z).add(scene.metres_per_unit);
@@ -107,6 +115,7 @@ SceneKeys sceneKeys(const scene::Scene& scene, const plan::Settings& settings) {
   keys.emission = hashEmission(scene, keys.geometry);
   keys.surfaces = KeyHasher().add(keys.reflection).add(keys.emission).finish();
   keys.lights = hashLights(scene);
+  keys.portals = hashPortals(scene);
   return keys;
 }
 

@@ -13,6 +13,7 @@ struct SceneKeys {
   Key emission;    // geometry and what it emits
   Key surfaces;    // everything about surfaces
   Key lights;      // punctual lights and the scene's place in the world
+  Key portals;     // which surfaces are portals, and how they open; all zero without portals
 };
 
 /// Of a scene as it was imported, before buildAtlas.

@@ -83,7 +83,7 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
       plan.omitted.push_back({type, "this version cannot bake it"});
     else if (!useless.empty())
       plan.omitted.push_back({type, useless});
-    else if (technique == Technique::radiosity && automatic)
+    else if (technique == Technique::radiosity && automatic && !facts.has_portals)
       plan.omitted.push_back({type, "not asked for: section prm has the scene's light as long as albedo and emission stay"});
     else
       (technique == Technique::prm ? plan.prm : technique == Technique::radiosity ? plan.radiosity : plan.environment) = true;

@@ -13,6 +13,7 @@ struct SceneFacts {
   bool has_surfaces = false;   // at least one texel of the atlas is covered
   bool has_emitters = false;   // some texel emits
   bool has_reflection = false; // some texel's albedo is not black
+  bool has_portals = false;    // doors or shutters
   bool has_environment = false; // a map was given
   bool has_sky_light = false;   // and it is not black
 };

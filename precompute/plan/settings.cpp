@@ -90,6 +90,12 @@ std::vector<std::array<double, 3>> requiredPoints(const std::string& key, const 
   return points;
 }
 
+std::vector<std::string> requiredNames(const std::string& key, const json& value) {
+  const bool good = value.is_array() && value.size() <= kMostPortalNames && std::all_of(value.begin(), value.end(), [](const json& name) { return name.is_string(); });
+  if (!good) throw UsageError("settings: \"" + key + "\" must be a list of at most " + std::to_string(kMostPortalNames) + " names");
+  return value.get<std::vector<std::string>>();
+}
+
 std::optional<std::array<float, 3>> requiredGround(const std::string& key, const json& value) {
   if (value.is_null()) return std::nullopt;
   if (!value.is_array() || value.size() != 3) throw UsageError("settings: \"" + key + "\" must be null or three numbers");
@@ -158,7 +164,8 @@ std::string canonicalJson(const Settings& settings) {
               {"sky_face_cells", settings.sky_face_cells},
               {"environment_rotation_deg", settings.environment.rotation_deg},
               {"environment_intensity", settings.environment.intensity},
-              {"environment_ground", ground}}
+              {"environment_ground", ground},
+              {"portals", settings.portals}}
       .dump();
 }
 
@@ -215,6 +222,8 @@ Settings settingsFromJson(std::string_view text) {
       settings.environment.rotation_deg = requiredNumber(key, value, -360, 360);
     } else if (key == "environment_intensity") {
       settings.environment.intensity = requiredNumber(key, value, 0, kMostEnvironmentIntensity);
+    } else if (key == "portals") {
+      settings.portals = requiredNames(key, value);
     } else if (key == "environment_ground") {
       settings.environment.ground_radiance_rgb = requiredGround(key, value);
     } else {

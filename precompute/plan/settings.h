@@ -26,6 +26,8 @@ inline constexpr size_t kMostProbePoints = 65536;
 inline constexpr uint32_t kMostEnvironmentSamples = 4096, kFewestSkyFaceCells = 16, kMostSkyFaceCells = 256;
 inline constexpr int kFinestRefinement = 3, kCoarsestRefinement = -6;
 
+inline constexpr size_t kMostPortalNames = 4096;
+
 inline constexpr float kMostRadiance = 1e12f, kMostEnvironmentIntensity = 1e6f;
 
 /// How an environment map is put into the world.
@@ -53,6 +55,7 @@ struct Settings {
   uint32_t environment_samples = 128; // cells of the environment, suns included, 1 to kMostEnvironmentSamples
   uint32_t sky_face_cells = 64;       // along a face of the sky's cube: even, kFewestSkyFaceCells to kMostSkyFaceCells
   EnvironmentPlacement environment;
+  std::vector<std::string> portals;   // names of nodes that are portals besides those that the scene marks: ImportOptions::portals
 };
 
 std::string_view name(Technique technique);

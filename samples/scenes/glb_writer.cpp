@@ -147,6 +147,7 @@ std::vector<uint8_t> encodeGlb(const SampleScene& scene) {
     Json json{{"name", node.name}, {"mesh", meshes.size()}};
     if (node.translation_m != Vec3(0)) json["translation"] = tidy3(node.translation_m);
     if (node.rotation_y != 0) json["rotation"] = {0.0, tidy(std::sin(node.rotation_y / 2)), 0.0, tidy(std::cos(node.rotation_y / 2))};
+    if (node.portal) json["extras"]["lightwell"]["portal"] = true;
     nodes.push_back(std::move(json));
     meshes.push_back({{"name", node.name}, {"primitives", std::move(primitives)}});
   }

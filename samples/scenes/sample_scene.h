@@ -26,6 +26,7 @@ struct Node {
   std::string name;
   Vec3 translation_m{0, 0, 0};
   float rotation_y = 0;  // radians about the node's origin
+  bool portal = false;   // a door, shut: marked by the node's extras
   std::vector<Chart> charts;
 };
 

@@ -50,6 +50,10 @@ RadiosityContent portalsContent() {
   door.set_name("door");
   door.set_first_gate(0);
   door.set_strips(2);
+  door.set_first_triangle(1);
+  door.set_triangles(1);
+  for (const float a : {0.5f, 0.0f, 0.0f}) door.add_axis(a);
+  door.set_offset(0.25f);
   // Patch 0 sees patch 8 always, node 9 through the first strip, patch 3 on it when it is closed.
   c.link_node = {8, 9, 3};
   c.link_code = {0x48, 0x30, 0x30};

@@ -55,6 +55,9 @@ class Interpolator {
   }
 
  private:
+  /// Not through a shut door.
+  bool mayMix(uint32_t a, uint32_t b) const { return patches_.zone.empty() || transport::mayMix(patches_.zone[a], patches_.zone[b]); }
+
   /// Between the four squares around the texel. False where one is missing, incomplete, of another size or of another orientation.
   bool bilinear(uint32_t slot_index, uint32_t own, Mix& result) const {
     const atlas::Slot& slot = atlas_.slots[slot_index];
@@ -68,7 +71,7 @@ class Interpolator {
       const uint32_t other = column == texel_x / k && row == texel_y / k ? own : patchOfSquare(column, row, k, texel_x, texel_y, slot.chart);
       // Squares that reach over the chart's border have their middle elsewhere.
       if (other == kNone || patches_.sidesOf(other).size() != size_t(k * k) || patches_.texels_per_side[other] != k) return false;
-      if (patches_.normal[other].dot(patches_.normal[own]) < kLeastCosine) return false;
+      if (patches_.normal[other].dot(patches_.normal[own]) < kLeastCosine || !mayMix(own, other)) return false;
       result.add(other, share);
     }
     return true;
@@ -93,7 +96,7 @@ class Interpolator {
     const auto consider = [&](uint32_t patch) {
       const Vec3 to = patches_.position[patch] - slot.position;
       const float distance2 = to.dot(to), rise = normal.dot(to);
-      const bool continues = distance2 <= reach * reach && rise * rise <= kMostRise * kMostRise * distance2 && patches_.normal[patch].dot(normal) >= kLeastCosine;
+      const bool continues = distance2 <= reach * reach && rise * rise <= kMostRise * kMostRise * distance2 && patches_.normal[patch].dot(normal) >= kLeastCosine && mayMix(own, patch);
       if (patch != own && !continues) return;
       found.push_back({patch, {tangent.dot(to), bitangent.dot(to)}, distance2});
     };

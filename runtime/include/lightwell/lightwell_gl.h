@@ -16,7 +16,7 @@
  * its share group. Conditional rendering and transform feedback must not be active.
  *
  * State. Each function leaves the GL state as it found it. It uses, and restores: the program, vertex array, draw and read framebuffer
- * bindings; viewport; active texture unit; on units 0 to 5 the bindings of GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY, GL_TEXTURE_CUBE_MAP and
+ * bindings; viewport; active texture unit; on units 0 to 6 the bindings of GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY, GL_TEXTURE_CUBE_MAP and
  * the sampler; GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD, the colour mask (of draw buffers 0 to 3 where the context
  * has them one by one); pixel pack and unpack buffer bindings and storage modes; on desktop GL also GL_COLOR_LOGIC_OP, the polygon mode
  * and clip distances 0 to 7; functions of environments also the binding of GL_UNIFORM_BUFFER;

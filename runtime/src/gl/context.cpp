@@ -109,7 +109,7 @@ lw_result lw_gl::compilePrograms() {
                      radiosity_shade);
   if (!result)
     result = compile(*this, "view of a light", {kAddress, kInjectSee},
-                     {"u_corner", "u_triangle", "u_texel_patches", "u_patch", "u_alpha_material", "u_alpha"},
+                     {"u_corner", "u_triangle", "u_texel_patches", "u_patch", "u_alpha_material", "u_alpha", "u_leaf"},
                      {"u_eye", "u_right", "u_up", "u_forward", "u_range"}, inject_see, {kAddress, kInjectSeeVertex});
   if (!result)
     result = compile(*this, "light injection", {kInjectAdd}, {"u_seen", "u_patch"}, {"u_side", "u_light", "u_cone", "u_spot"}, inject_add,

@@ -51,6 +51,9 @@ struct lw_gl_radiosity_injector {
   Name texel_patches = 0;                 // RG32UI, width × height
   Name patch = 0;                         // RGBA32F list
   Name alpha_material = 0, alpha = 0;     // RGBA32UI, R8 lists
+  lightwell::runtime::Array<float> leaf_values;  // of each leaf its axis, offset, where its first gate is, strips; then how far each gate is open
+  Name leaf = 0;                          // R32F list of these
+  uint32_t portals_seen = 0;              // lw_gl_radiosity::portals_uploaded when it was uploaded
   lightwell::runtime::gl::Target seen;    // RG32UI, side × side
   Name depth = 0;
 };

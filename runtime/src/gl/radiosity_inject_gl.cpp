@@ -2,6 +2,7 @@
 // pixels are added to the patches as points.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "runtime/src/gl/radiosity_gl.h"
 #include "runtime/src/radiosity_injector.h"
@@ -47,6 +48,7 @@ void see(const lw_gl_radiosity_injector& injector, const PackedLight& light, con
   bind(api, 3, kTexture2dArray, injector.patch);
   bind(api, 4, kTexture2dArray, injector.alpha_material);
   bind(api, 5, kTexture2dArray, injector.alpha);
+  bind(api, 6, kTexture2dArray, injector.leaf);
   api.BindFramebuffer(kDrawFramebuffer, injector.seen.framebuffer);
   api.Viewport(0, 0, injector.seen.width, injector.seen.height);
   api.Enable(kDepthTest);
@@ -81,6 +83,18 @@ void add(const lw_gl_radiosity_injector& injector, const PackedLight& light, con
   sum.blend(false);
 }
 
+/// What the game has changed of portals since the last call.
+void uploadPortals(lw_gl_radiosity_injector& injector) {
+  const lw_gl_radiosity& target = *injector.target;
+  if (injector.portals_seen == target.portals_uploaded) return;
+  injector.portals_seen = target.portals_uploaded;
+  if (target.gate_open.empty()) return;
+  std::memcpy(injector.leaf_values.data() + (injector.leaf_values.size() - target.gate_open.size()), target.gate_open.data(), target.gate_open.bytes());
+  const Api& api = target.context->api;
+  api.ActiveTexture(kTexture0);
+  uploadList(api, injector.leaf, kTexelR32f, injector.leaf_values.size(), injector.leaf_values.data());
+}
+
 void inject(lw_gl_radiosity_injector& injector, const PackedLight& light, const SumGuard& sum) {
   const LampViews views = lampViews(light, injector.bounds_min_m, injector.bounds_max_m);
   const View& first = views.view[0];
@@ -113,6 +127,7 @@ lw_result lw_gl_radiosity_inject(lw_gl_radiosity_injector* injector, const lw_li
   api.Disable(gl::kStencilTest);
   api.Disable(gl::kPolygonOffsetFill);
   gl::clearTarget(api, injector->target->direct);
+  gl::uploadPortals(*injector);
   api.BindVertexArray(context.vertex_array);
   for (uint32_t l = 0; l < light_count; ++l) {
     packLight(lights[l], light);

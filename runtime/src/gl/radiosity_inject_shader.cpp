@@ -30,11 +30,12 @@ void main() {
 
 // The patch that a pixel sees, and what a lamp's range leaves of the light there.
 const char kInjectSee[] = R"(
-uniform usampler2DArray u_triangle;   // double-sided; alpha material; nearest patches, front and back; 0xffffffff: none
+uniform usampler2DArray u_triangle;   // double-sided, from bit 1 on the leaf's number + 1; alpha material; nearest patches, front and back; 0xffffffff: none
 uniform usampler2D u_texel_patches;   // front, back
 uniform sampler2DArray u_patch;       // normal; one over area
 uniform usampler2DArray u_alpha_material;  // two for each: first alpha, size, wrap modes; bits of factor and of the least that is opaque
 uniform sampler2DArray u_alpha;
+uniform sampler2DArray u_leaf;        // six for each: axis, offset, where its first gate is, strips; then how far gates are open
 uniform vec4 u_eye;
 uniform float u_range;
 flat in int v_triangle;
@@ -69,12 +70,21 @@ bool lwLetsThrough(int material) {
   }
   return value < uintBitsToFloat(limits.y);
 }
+float lwLeaf(int at) { return texelFetch(u_leaf, lwAddress(at), 0).r; }
+bool lwIsOpen(int leaf) {
+  vec3 axis = vec3(lwLeaf(leaf * 6), lwLeaf(leaf * 6 + 1), lwLeaf(leaf * 6 + 2));
+  float strips = lwLeaf(leaf * 6 + 5);
+  float place = clamp(dot(axis, v_offset + u_eye.xyz) + lwLeaf(leaf * 6 + 3), 0.0, 1.0) * strips;
+  float strip = min(floor(place), strips - 1.0);
+  return place - strip < lwLeaf(int(lwLeaf(leaf * 6 + 4) + strip));
+}
 uint lwPatchOf(ivec2 texel) {
   uvec2 patches = texelFetch(u_texel_patches, texel, 0).rg;
   return v_normal.w > 0.0 ? patches.r : patches.g;
 }
 void main() {
   uvec4 triangle = texelFetch(u_triangle, lwAddress(v_triangle), 0);
+  if (triangle.x > 1u && lwIsOpen(int(triangle.x >> 1u) - 1)) discard;
   if (triangle.y != kNone && lwLetsThrough(int(triangle.y))) discard;
   gl_FragDepth = u_eye.w > 0.0 ? u_eye.w * gl_FragCoord.w : v_nearness;
   float left = 1.0;
@@ -83,7 +93,7 @@ void main() {
     left = clamp(1.0 - relative * relative, 0.0, 1.0);
   }
   o_seen = uvec2(kNone, floatBitsToUint(left));
-  if (v_normal.w == 0.0 && triangle.x == 0u) return;  // absorbed
+  if (v_normal.w == 0.0 && (triangle.x & 1u) == 0u) return;  // absorbed
   ivec2 size = textureSize(u_texel_patches, 0), last = size - 1;
   ivec2 texel = clamp(ivec2(v_uv.xy * vec2(size)), ivec2(0), last);
   uint patch_seen = lwPatchOf(texel);

@@ -27,6 +27,7 @@ class Uploader : ListUploader {
     if (!out_.corner.allocate(out_.host, (size_t(out_.side) + 1) * 2)) return out_.host.fail(LW_OUT_OF_MEMORY, "no memory for a view of %u pixels", out_.side);
     api_.clearErrors();
     uploadTriangles();
+    makeLeaves();
     uploadPatches();
     uploadAlpha();
     if (!result_) makeView();
@@ -54,12 +55,29 @@ class Uploader : ListUploader {
     PatchFinder(from_).findNearest();
     for (size_t t = 0; t < out_.triangles; ++t) {
       const uint32_t material = alpha.triangle_material.empty() ? kNone : alpha.triangle_material[t];
-      const uint32_t values[4] = {from_.flags[t] & uint32_t(LW_TRIANGLE_DOUBLE_SIDED), material < alpha.material.size() ? material : kNone,
+      const Leaf* leaf = from_.surfaces.leafOf(uint32_t(t));
+      const uint32_t leaf_number = leaf ? uint32_t(leaf - from_.surfaces.leaf.data()) + 1 : 0;
+      const uint32_t values[4] = {leaf_number << 1 | (from_.flags[t] & uint32_t(LW_TRIANGLE_DOUBLE_SIDED) ? 1u : 0u), material < alpha.material.size() ? material : kNone,
                                   from_.nearest_patch[t * 2], from_.nearest_patch[t * 2 + 1]};
       std::memcpy(&triangle[t * 4], values, sizeof values);
     }
     list(out_.corners, kTexelRgba32f, corners * 2, corner.data());
     list(out_.triangle, kTexelRgba32ui, out_.triangles, triangle.data());
+  }
+
+  void makeLeaves() {
+    const Array<Leaf>& leaves = from_.surfaces.leaf;
+    const size_t gates = from_.surfaces.gate_open.size();
+    Array<float>& values = out_.leaf_values;
+    if (!allocate(values, std::max<size_t>(leaves.size() * 6 + gates, 1))) return;
+    std::memset(values.data(), 0, values.bytes());
+    for (size_t i = 0; i < leaves.size(); ++i) {
+      std::memcpy(&values[i * 6], leaves[i].axis_per_m, 3 * sizeof(float));
+      values[i * 6 + 3] = leaves[i].offset;
+      values[i * 6 + 4] = float(leaves.size() * 6 + leaves[i].first_gate);
+      values[i * 6 + 5] = float(leaves[i].strips);
+    }
+    list(out_.leaf, kTexelR32f, values.size(), values.data());
   }
 
   void uploadPatches() {
@@ -149,7 +167,7 @@ void lw_gl_radiosity_injector_destroy(lw_gl_radiosity_injector* injector) {
   if (!injector) return;
   const gl::Api& api = injector->target->context->api;
   gl::destroyTarget(api, injector->seen);
-  for (const gl::Name name : {injector->corners, injector->triangle, injector->texel_patches, injector->patch, injector->alpha_material, injector->alpha, injector->depth})
+  for (const gl::Name name : {injector->corners, injector->triangle, injector->texel_patches, injector->patch, injector->alpha_material, injector->alpha, injector->leaf, injector->depth})
     if (name) api.DeleteTextures(1, &name);
   destroyHandle(injector);
 }

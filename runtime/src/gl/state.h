@@ -5,7 +5,7 @@
 namespace lightwell::runtime::gl {
 
 /// Texture units 0 to kUnits − 1 are used.
-inline constexpr uint32_t kUnits = 6;
+inline constexpr uint32_t kUnits = 7;
 /// Draw buffers 0 to kDrawBuffers − 1 are used.
 inline constexpr uint32_t kDrawBuffers = 4;
 
