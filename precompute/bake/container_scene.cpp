@@ -142,8 +142,9 @@ namespace {
 
 void readPortals(const format::Reader& reader, scene::Scene& scene) {
   if (!reader.has("radiosity", "header")) return;
+  const v1::RadiosityHeader header = reader.radiosity();
   uint32_t end = 0;
-  for (const v1::RadiosityPortal& in : reader.radiosity().portals()) {
+  for (const v1::RadiosityPortal& in : header.portals()) {
     scene::Portal portal{.name = in.name(), .gltf_path = "radiosity/header", .first_triangle = in.first_triangle(), .triangle_count = in.triangles(), .strips = in.strips()};
     if (in.triangles() > 0) {
       if (in.first_triangle() < end || uint64_t(in.first_triangle()) + in.triangles() > scene.mesh.triangles.size())
