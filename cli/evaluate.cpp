@@ -1,5 +1,6 @@
 // lightwell evaluate: what the runtime makes of a container, as an atlas of irradiance.
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "cli/command.h"
 #include "cli/environment_evaluator.h"
@@ -7,6 +8,7 @@
 #include "cli/portal_options.h"
 #include "cli/prm_evaluator.h"
 #include "cli/radiosity_evaluator.h"
+#include "format/encode/atomic_file.h"
 #include "format/encode/reader.h"
 #include "precompute/bake/container_scene.h"
 #include "precompute/plan/settings.h"
@@ -25,6 +27,7 @@ struct Options {
   std::optional<uint32_t> brightest;
   std::optional<uint32_t> injection;
   std::vector<std::string> portals;
+  std::optional<fs::path> probes_out;
   uint32_t samples = 64;
   render::EnvironmentSettings environment;
   int threads = 0;
@@ -74,6 +77,23 @@ std::vector<Rgb> lightOfTransport(Session& session, const Options& options, Comp
   return valuesOfSlots(container.atlas, atlas_rgba);
 }
 
+/// PROBES: schemas/probes.schema.json.
+void writeProbes(Session& session, const fs::path& file, const scene::Scene& scene, const ProbeLight& light) {
+  nlohmann::json probes = nlohmann::json::array();
+  for (size_t i = 0; i < light.position_m.size() / 3; ++i) {
+    nlohmann::json position = nlohmann::json::array(), radiance_sh = nlohmann::json::array();
+    for (size_t k = 0; k < 3; ++k) position.push_back(scene.origin_m[int(k)] + double(light.position_m[i * 3 + k]));
+    for (size_t k = 0; k < 9; ++k) {
+      const float* rgb = &light.radiance_sh[(i * 9 + k) * 3];
+      radiance_sh.push_back({rgb[0], rgb[1], rgb[2]});
+    }
+    probes.push_back({{"position", position}, {"radiance_sh", radiance_sh}});
+  }
+  const std::string text = nlohmann::json{{"probes", probes}}.dump() + "\n";
+  writeOutput(session, file, [&] { format::writeFileAtomically(file, std::vector<uint8_t>(text.begin(), text.end())); });
+  session.console.line(file.string() + ": light of " + std::to_string(probes.size()) + " probes");
+}
+
 /// What the section "radiosity" adds, one value per slot.
 std::vector<Rgb> lightOfRadiosity(Session& session, const Options& options, Component component, const RuntimeContainer& runtime,
                                   const bake::ContainerScene& container, const std::vector<float>& portal_open, const trace::Tracer& tracer) {
@@ -82,7 +102,11 @@ std::vector<Rgb> lightOfRadiosity(Session& session, const Options& options, Comp
                                  .portal_open = portal_open, .injection = options.injection, .threads = options.threads, .cancel = &session.interrupt.flag()};
   if (component != Component::direct) evaluation.light |= LW_RADIOSITY_INDIRECT;
   if (component != Component::indirect) evaluation.light |= LW_RADIOSITY_EMITTERS;
-  return valuesOfSlots(container.atlas, options.evaluator == "gl" ? evaluateRadiosityOnGl(evaluation) : evaluateRadiosityOnCpu(evaluation));
+  ProbeLight probes;
+  if (options.probes_out) evaluation.probes = &probes;
+  const std::vector<float> atlas_rgba = options.evaluator == "gl" ? evaluateRadiosityOnGl(evaluation) : evaluateRadiosityOnCpu(evaluation);
+  if (options.probes_out) writeProbes(session, *options.probes_out, container.scene, probes);
+  return valuesOfSlots(container.atlas, atlas_rgba);
 }
 
 std::vector<Rgb> lightOfSky(Session& session, const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container,
@@ -96,6 +120,7 @@ std::vector<Rgb> lightOfSky(Session& session, const Options& options, const Runt
 
 void run(Session& session, const Options& options) {
   checkWritable(options.output);
+  if (options.probes_out) checkWritable(*options.probes_out);
   const bool by_cells = options.technique == "environment", by_patches = options.technique == "radiosity";
   if (!by_cells && !by_patches && options.technique != "prm")
     throw UsageError("--technique: this version cannot evaluate \"" + options.technique + "\" yet; it evaluates prm, radiosity and environment");
@@ -105,6 +130,8 @@ void run(Session& session, const Options& options) {
   const format::Reader reader(options.container);
   checkHas(options.technique, options, reader);
   checkHas("geometry", options, reader);
+  if (options.probes_out && !by_patches) throw UsageError("--probes-out: only --technique radiosity lights probes");
+  if (options.probes_out) checkHas("probes", options, reader);
   if (component == Component::indirect && !by_patches) checkHas("prm", options, reader);
   Diagnostics diagnostics;
   session.console.progress("open", "open …");
@@ -166,6 +193,8 @@ void addEvaluate(CLI::App& app, Session& session) {
                    "instead of from rays")
       ->type_name("N")
       ->check(CLI::Range(8u, 4096u));
+  command->add_option("--probes-out", options->probes_out, "Radiosity only: write what the container's probes receive as spherical harmonics (schemas/probes.schema.json)")
+      ->type_name("FILE.json");
   addPortalStates(*command, options->portals, "Radiosity only: how far the portal of that name is open");
   addLights(*command, options->lights);
   command->add_option("--samples", options->samples, "Points of each texel at which light of lamps and cells is sampled")

@@ -18,6 +18,10 @@ struct DestroyGlRadiosity {
 struct DestroyGlRadiosityInjector {
   void operator()(lw_gl_radiosity_injector* injector) const { lw_gl_radiosity_injector_destroy(injector); }
 };
+struct DestroyGlProbes {
+  void operator()(lw_gl_probes* gl_probes) const { lw_gl_probes_destroy(gl_probes); }
+};
+using GlProbesHandle = std::unique_ptr<lw_gl_probes, DestroyGlProbes>;
 using GlRadiosityInjectorHandle = std::unique_ptr<lw_gl_radiosity_injector, DestroyGlRadiosityInjector>;
 using GlRadiosityHandle = std::unique_ptr<lw_gl_radiosity, DestroyGlRadiosity>;
 using GlHandle = std::unique_ptr<lw_gl, DestroyGl>;

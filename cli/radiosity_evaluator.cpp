@@ -129,6 +129,17 @@ void setPortals(const RadiosityEvaluation& evaluation, lw_radiosity_state* state
   for (uint32_t i = 0; i < evaluation.portal_open.size(); ++i) evaluation.container.check(lw_radiosity_set_portal(state, i, evaluation.portal_open[i]));
 }
 
+ProbesHandle loadProbes(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity) {
+  lw_probes* probes = nullptr;
+  evaluation.container.check(lw_probes_load(evaluation.container.get(), radiosity, &probes));
+  ProbesHandle handle(probes);
+  lw_probes_info info;
+  evaluation.container.check(lw_probes_get_info(probes, &info));
+  evaluation.probes->position_m.assign(info.position_m, info.position_m + size_t(info.probes) * 3);
+  evaluation.probes->radiance_sh.resize(size_t(info.probes) * 27);
+  return handle;
+}
+
 std::vector<float> evaluateRadiosityOnCpu(const RadiosityEvaluation& evaluation) {
   const RuntimeContainer& container = evaluation.container;
   const auto radiosity = container.loadRadiosity();
@@ -137,6 +148,12 @@ std::vector<float> evaluateRadiosityOnCpu(const RadiosityEvaluation& evaluation)
   const auto direct_rgb = evaluation.injection ? injectedIrradiance(evaluation, radiosity.get(), state.get()) : tracedIrradiance(evaluation, radiosity.get());
   container.check(lw_radiosity_set_direct(state.get(), direct_rgb.data()));
   container.check(lw_radiosity_solve(state.get(), kTolerance, kMostSweeps, nullptr));
+  if (evaluation.probes) {
+    const ProbesHandle probes = loadProbes(evaluation, radiosity.get());
+    lw_probes_evaluation at_probes = LW_PROBES_EVALUATION_INIT;
+    at_probes.light = evaluation.light;
+    container.check(lw_probes_evaluate(probes.get(), state.get(), &at_probes, evaluation.probes->radiance_sh.data()));
+  }
   lw_radiosity_info info;
   container.check(lw_radiosity_get_info(radiosity.get(), &info));
   lw_radiosity_shading shading = LW_RADIOSITY_SHADING_INIT;

@@ -10,6 +10,11 @@
 
 namespace lightwell::cli {
 
+/// What probes receive: positions in the container's coordinates, [probes][3], and lw_probes_evaluate's coefficients, [probes][9][3].
+struct ProbeLight {
+  std::vector<float> position_m, radiance_sh;
+};
+
 struct RadiosityEvaluation {
   const RuntimeContainer& container;
   const bake::ContainerScene& scene;   // of the container; its lights shine
@@ -18,6 +23,7 @@ struct RadiosityEvaluation {
   uint32_t samples = 64;               // points of each texel at which light of lamps is sampled
   std::vector<float> portal_open;      // per portal of the scene, 0 to 1, as the tracer has them
   std::optional<uint32_t> injection;   // texels along a face of the lights' views; unset: rays
+  ProbeLight* probes = nullptr;        // set: receives the same light at the container's probes
   int threads = 0;
   const CancelFlag* cancel = nullptr;
 };
@@ -30,6 +36,12 @@ std::vector<float> evaluateRadiosityOnGl(const RadiosityEvaluation& evaluation);
 /// Direct irradiance of the scene's lights on the patches, [patches][3], from rays: the power that falls on a patch over its exposed area.
 std::vector<float> tracedIrradiance(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity);
 std::vector<lw_light> lampsOf(const RadiosityEvaluation& evaluation);
+struct ReleaseProbes {
+  void operator()(lw_probes* probes) const { lw_probes_release(probes); }
+};
+using ProbesHandle = std::unique_ptr<lw_probes, ReleaseProbes>;
+/// Loads the container's probes and fills what `evaluation.probes` can know of them without light.
+ProbesHandle loadProbes(const RadiosityEvaluation& evaluation, const lw_radiosity* radiosity);
 void setPortals(const RadiosityEvaluation& evaluation, lw_radiosity_state* state);
 
 }  // namespace lightwell::cli

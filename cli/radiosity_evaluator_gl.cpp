@@ -35,6 +35,14 @@ std::vector<float> evaluateRadiosityOnGl(const RadiosityEvaluation& evaluation) 
     container.check(lw_gl_radiosity_upload(gl_radiosity.get(), state.get(), LW_GL_RADIOSITY_DIRECT));
   }
   container.check(lw_gl_radiosity_solve(gl_radiosity.get(), kTolerance, kMostSweeps, nullptr));
+  if (evaluation.probes) {
+    const ProbesHandle probes = loadProbes(evaluation, radiosity.get());
+    lw_gl_probes* gl_probes_raw = nullptr;
+    container.check(lw_gl_probes_create(gl_radiosity.get(), probes.get(), nullptr, &gl_probes_raw));
+    const GlProbesHandle gl_probes(gl_probes_raw);
+    container.check(lw_gl_probes_evaluate(gl_probes.get(), evaluation.light));
+    container.check(lw_gl_probes_read(gl_probes.get(), evaluation.probes->radiance_sh.data()));
+  }
   lw_radiosity_shading shading = LW_RADIOSITY_SHADING_INIT;
   shading.light = evaluation.light;
   shading.fill = 0;

@@ -33,6 +33,44 @@ TEST_F(CliRadiosityTest, ClosedRoomsKeepTheLampsEnergy) {
   EXPECT_NEAR(evaluate("indirect", {"--evaluator", "gl"}) / evaluate("indirect"), 1, 1e-4);
 }
 
+TEST_F(CliRadiosityTest, ProbesAreBakedListedAndLit) {
+  writeFile(path("points.json"), R"({"probes": [[0.5, 0.5, 0.5], [1.2, 0.8, 0.6]]})");
+  const std::vector<std::string> bake{"bake", path("lamp.gltf"), "-o", path("p.lwc"), "--techniques", "radiosity", "--lightmap-size", "32", "--quality", "draft"};
+  auto with_probes = bake;
+  with_probes.insert(with_probes.end(), {"--probe-spacing", "0.5", "--probes", path("points.json")});
+  run(with_probes);
+  run({"verify", path("p.lwc")});
+  const auto info = runJson({"info", path("p.lwc"), "--json"}, "info");
+  const auto& probes = info["content"]["probes"];
+  EXPECT_GT(probes["lattice_probes"].get<int>(), 20);
+  EXPECT_EQ(probes["points"], 2);
+  EXPECT_NEAR(probes["lattice_spacing_m"].get<double>(), 0.5, 1e-6);
+
+  // In the middle of a closed room about what its walls reflect on the mean: albedo × all light of the lamp.
+  const double reflected = 0.7 * 4 * std::numbers::pi / 24 / 0.3;
+  nlohmann::json light[2];
+  for (const char* evaluator : {"cpu", "gl"}) {
+    run({"evaluate", path("p.lwc"), "--technique", "radiosity", "--component", "indirect", "--evaluator", evaluator, "-o", path("e.exr"), "--probes-out", path("light.json")});
+    nlohmann::json& document = light[evaluator[0] == 'g'];
+    document = nlohmann::json::parse(readFile(path("light.json")));
+    EXPECT_EQ(schemaViolation(readSchema("probes"), document), "");
+    const auto& point = document["probes"][probes["lattice_probes"].get<size_t>()];
+    EXPECT_NEAR(point["position"][1].get<double>(), 0.5, 1e-5);
+    EXPECT_NEAR(point["radiance_sh"][0][0].get<double>() * 0.28209479 * std::numbers::pi / reflected, 1, 0.1);
+  }
+  for (size_t i = 0; i < light[0]["probes"].size(); ++i)
+    EXPECT_NEAR(light[0]["probes"][i]["radiance_sh"][0][0].get<double>(), light[1]["probes"][i]["radiance_sh"][0][0].get<double>(), 1e-3);
+
+  // Without being asked for there is no byte of them; they are nothing without radiosity.
+  const auto plain = runJson({"info", path("r.lwc"), "--json"}, "info");
+  EXPECT_FALSE(plain["content"].contains("probes"));
+  EXPECT_EQ(lightwell({"evaluate", path("r.lwc"), "--technique", "radiosity", "-o", path("e.exr"), "--probes-out", path("light.json")}).exit_code, 2);
+  EXPECT_EQ(lightwell({"bake", path("lamp.gltf"), "-o", path("q.lwc"), "--techniques", "prm", "--probe-spacing", "auto"}).exit_code, 2);
+  EXPECT_EQ(lightwell({"bake", path("lamp.gltf"), "-o", path("q.lwc"), "--techniques", "radiosity", "--probe-spacing", "some"}).exit_code, 2);
+  writeFile(path("points.json"), R"({"probes": [[0.5, 0.5]]})");
+  EXPECT_EQ(lightwell(with_probes).exit_code, 3);
+}
+
 TEST_F(CliRadiosityTest, IsListedAndSound) {
   run({"verify", path("r.lwc")});
   const auto radiosity = runJson({"info", path("r.lwc"), "--json"}, "info")["content"]["radiosity"];
