@@ -64,6 +64,13 @@ TEST(Plan, RadiosityIsBakedWhenAskedFor) {
   EXPECT_TRUE(plan.radiosity && !plan.prm && omits(plan, "prm"));
   EXPECT_TRUE(makePlan({.has_surfaces = true}, settings).radiosity) << "a black room may be painted";
   EXPECT_TRUE(omits(makePlan({}, settings), "radiosity"));
+  EXPECT_TRUE(omits(plan, "probes")) << "nobody asked for them";
+  settings.probe_spacing_m = 0.5f;
+  EXPECT_TRUE(makePlan(kRoom, settings).probes);
+  settings.techniques = {Technique::prm};
+  EXPECT_THROW(makePlan(kRoom, settings), UsageError) << "probes without radiosity";
+  settings.techniques = {Technique::radiosity};
+  settings.probe_spacing_m = 0;
   settings.radiosity_density = 0.01f;
   EXPECT_THROW(makePlan(kRoom, settings), UsageError);
 }
@@ -116,6 +123,8 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   settings.prm_entries = 4096;
   settings.prm_clusters = 256;
   settings.radiosity_density = 0.5f;
+  settings.probe_spacing_m = kAutomaticProbeSpacing;
+  settings.probe_points_m = {{1.5, -2, 0.25}};
   settings.environment_samples = 32;
   settings.sky_face_cells = 128;
   settings.environment = {.rotation_deg = -90, .intensity = 0.5f, .ground_radiance_rgb = {{1, 2, 0.25f}}};
@@ -123,8 +132,8 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   EXPECT_EQ(canonicalJson(settingsFromJson(json)), json);
   EXPECT_EQ(json,
             R"({"environment_ground":[1.0,2.0,0.25],"environment_intensity":0.5,"environment_rotation_deg":-90.0,"environment_samples":32,)"
-            R"("light_units":"raw","lightmap_size":33,"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
-            R"("quality":"draft","radiosity_density":0.5,"refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"]})");
+            R"("light_units":"raw","lightmap_size":33,"portals":[],"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
+            R"("probe_points_m":[[1.5,-2.0,0.25]],"probe_spacing_m":"auto","quality":"draft","radiosity_density":0.5,"refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"]})");
   EXPECT_EQ(settingsFromJson(json).environment, settings.environment);
   EXPECT_EQ(canonicalJson(settingsFromJson("{}")), canonicalJson(Settings{}));
 }
