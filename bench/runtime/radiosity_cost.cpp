@@ -1,4 +1,4 @@
-// What radiosity costs at run time: a sweep for each link on the CPU and on OpenGL, texels, injection, and how many sweeps all bounces take at which albedo.
+// What radiosity costs at run time: a sweep for each link on the CPU and on OpenGL, texels, injection, probes (where the container has some), and how many sweeps all bounces take at which albedo.
 //   radiosity_cost A.lwc [B.lwc …] [--repeats 9] [--json]
 // Wall clock until glFinish returns, medians. No window. Residuals are those of the CPU's float solution in double precision.
 #include <CLI/CLI.hpp>
@@ -73,6 +73,39 @@ class DoubleSweep {
   std::vector<uint8_t> code_;
 };
 
+json measureProbes(const Options& options, const cli::RuntimeContainer& container, const lw_radiosity* radiosity, lw_radiosity_state* state, lw_gl_radiosity* gl_radiosity) {
+  lw_probes* loaded = nullptr;
+  container.check(lw_probes_load(container.get(), radiosity, &loaded));
+  const std::unique_ptr<lw_probes, decltype(&lw_probes_release)> probes(loaded, lw_probes_release);
+  lw_probes_info info;
+  container.check(lw_probes_get_info(loaded, &info));
+  std::vector<float> sh(size_t(info.probes) * 27);
+  json result{{"probes", info.probes}, {"links", info.links}};
+  for (const uint32_t coefficients : {9u, 4u}) {
+    lw_probes_evaluation evaluation = LW_PROBES_EVALUATION_INIT;
+    evaluation.coefficients = coefficients;
+    lw_gl_probes_options gl_options = LW_GL_PROBES_OPTIONS_INIT;
+    gl_options.coefficients = coefficients;
+    lw_gl_probes* uploaded = nullptr;
+    container.check(lw_gl_probes_create(gl_radiosity, loaded, &gl_options, &uploaded));
+    const cli::GlProbesHandle gl_probes(uploaded);
+    const double cpu = medianSeconds(options.repeats, [&] { container.check(lw_probes_evaluate(loaded, state, &evaluation, sh.data())); });
+    const double gl = medianSeconds(options.repeats, [&] { container.check(lw_gl_probes_evaluate(uploaded, evaluation.light)); glFinish(); });
+    result["evaluate"].push_back({{"coefficients", coefficients}, {"cpu_ms", 1e3 * cpu}, {"cpu_ns_per_link", 1e9 * cpu / info.links}, {"gl_ms", 1e3 * gl},
+                                  {"gl_ns_per_link", 1e9 * gl / info.links}, {"gl_texture_bytes", lw_gl_probes_texture_bytes(uploaded)}});
+  }
+  constexpr int kLookups = 1000;
+  float around[9][3];
+  result["sample_us"] = 1e6 / kLookups * medianSeconds(options.repeats, [&] {
+    for (int i = 0; i < kLookups; ++i) {
+      const float* at = info.position_m + size_t(i) * 7 % info.probes * 3;
+      const float position[3] = {at[0] + 0.3f * info.lattice_spacing_m, at[1] + 0.2f * info.lattice_spacing_m, at[2] - 0.4f * info.lattice_spacing_m};
+      container.check(lw_probes_sample(loaded, sh.data(), position, around));
+    }
+  });
+  return result;
+}
+
 json measure(const Options& options, const std::filesystem::path& file, lw_gl* gl) {
   const cli::RuntimeContainer container(file);
   const format::Reader reader(file);
@@ -109,6 +142,12 @@ json measure(const Options& options, const std::filesystem::path& file, lw_gl* g
   result["gl_ns_per_link"] = 1e9 / links * medianSeconds(options.repeats, [&] { container.check(lw_gl_radiosity_step(gl_radiosity.get(), 1)); glFinish(); });
   result["gl_shade_ms"] = 1e3 * medianSeconds(options.repeats, [&] { container.check(lw_gl_radiosity_shade(gl_radiosity.get(), nullptr)); glFinish(); });
   result["gl_texture_bytes"] = lw_gl_radiosity_texture_bytes(gl_radiosity.get());
+
+  lw_gl_radiosity_injector* gl_made = nullptr;
+  container.check(lw_gl_radiosity_injector_create(gl_radiosity.get(), container.get(), radiosity.get(), 128, &gl_made));
+  const cli::GlRadiosityInjectorHandle gl_injector(gl_made);
+  result["gl_inject_128_ms"] = 1e3 * medianSeconds(options.repeats, [&] { container.check(lw_gl_radiosity_inject(gl_injector.get(), &lamp, 1)); glFinish(); });
+  if (lw_has_section(container.get(), "probes")) result["probes"] = measureProbes(options, container, radiosity.get(), state.get(), gl_radiosity.get());
 
   const DoubleSweep exact(reader);
   for (const float albedo : {0.5f, 0.9f, 0.99f, 0.999f}) {
@@ -163,6 +202,14 @@ int main(int argc, char** argv) try {
                 r["container"].get<std::string>().c_str(), r["patches"].get<uint32_t>(), r["links"].get<uint32_t>(), r["stored_bytes_per_link"].get<double>(),
                 r["cpu_ns_per_link"].get<double>(), r["gl_ns_per_link"].get<double>(), r["cpu_shade_ms"].get<double>(), r["gl_shade_ms"].get<double>(),
                 r["cpu_inject_128_ms"].get<double>(), r["gl_texture_bytes"].get<double>() / 1e6);
+    std::printf("  injection on GL %.2f ms\n", r["gl_inject_128_ms"].get<double>());
+    if (r.contains("probes")) {
+      const json& p = r["probes"];
+      std::printf("  %u probes, %u links, a look-up on the CPU %.2f us\n", p["probes"].get<uint32_t>(), p["links"].get<uint32_t>(), p["sample_us"].get<double>());
+      for (const json& e : p["evaluate"])
+        std::printf("    %u coefficients: %.2f ms (%.2f ns a link) on the CPU, %.2f ms (%.1f ns) on GL with %.1f MB\n", e["coefficients"].get<uint32_t>(), e["cpu_ms"].get<double>(),
+                    e["cpu_ns_per_link"].get<double>(), e["gl_ms"].get<double>(), e["gl_ns_per_link"].get<double>(), e["gl_texture_bytes"].get<double>() / 1e6);
+    }
     for (const json& s : r["solve"])
       std::printf("  albedo %.3f: %u sweeps, %.1f ms, residual %.1e, in double %.1e; plain sweeps would be %.0f\n", s["albedo"].get<double>(), s["sweeps"].get<uint32_t>(),
                   1e3 * s["seconds"].get<double>(), s["residual"].get<double>(), s["residual_in_double"].get<double>(), s["plain_sweeps"].get<double>());
