@@ -81,8 +81,9 @@ void gateSetFactors(const lw_probes& p, const lw_radiosity_state& state, Array<f
   }
 }
 
-/// Integrals of radiance times Y.
-void gatherProbe(const lw_probes& p, const Float4* node, const Array<float>& set_factor, uint32_t probe, uint32_t coefficients, float (*sh)[3]) {
+/// Integrals of radiance times the first `coefficients` Y.
+template <uint32_t coefficients>
+void gatherProbe(const lw_probes& p, const Float4* node, const Array<float>& set_factor, uint32_t probe, float (*sh)[3]) {
   float sum[kHarmonics][4] = {};
   uint32_t l = p.first_run[probe] > 0 ? p.run[p.first_run[probe] - 1].end_link : 0;
   for (uint32_t r = p.first_run[probe]; r < p.first_run[probe + 1]; l = p.run[r++].end_link) {
@@ -94,9 +95,10 @@ void gatherProbe(const lw_probes& p, const Float4* node, const Array<float>& set
       float basis[kHarmonics];
       harmonics(d.x, d.y, d.z, basis);
       const float weight = factor * linkWeight(link.node_code & 255);
-      const float* b = node[link.node_code >> 8].v;
+      Float4 b = node[link.node_code >> 8];
+      for (float& v : b.v) v *= weight;
       for (uint32_t k = 0; k < coefficients; ++k)
-        for (int c = 0; c < 4; ++c) sum[k][c] += weight * basis[k] * b[c];
+        for (int c = 0; c < 4; ++c) sum[k][c] += basis[k] * b.v[c];
     }
   }
   // Shares of the sphere, radiosities over π: 4π / π.
@@ -132,7 +134,8 @@ lw_result lw_probes_evaluate(const lw_probes* probes, lw_radiosity_state* state,
   averageNodes(r, state->node.data());
   for (uint32_t i = 0; i < count; ++i) {
     float(*sh)[3] = reinterpret_cast<float(*)[3]>(radiance_sh + size_t(i) * kHarmonics * 3);
-    gatherProbe(*probes, state->node.data(), set_factor, evaluation.probe ? evaluation.probe[i] : i, evaluation.coefficients, sh);
+    const auto gather_one = evaluation.coefficients == 9 ? gatherProbe<9> : gatherProbe<4>;
+    gather_one(*probes, state->node.data(), set_factor, evaluation.probe ? evaluation.probe[i] : i, sh);
     window(sh);
   }
   return LW_OK;
