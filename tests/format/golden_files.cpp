@@ -7,6 +7,7 @@
 #include "tests/format/content.h"
 #include "tests/format/environment_content.h"
 #include "tests/format/forge.h"
+#include "tests/format/lightmap_content.h"
 #include "tests/format/probes_content.h"
 #include "tests/format/radiosity_content.h"
 
@@ -88,7 +89,8 @@ std::vector<GoldenFile> validFiles() {
           {"valid/sky_panes.lwc", toWriter(skyPanesContent()).bytes()},
           {"valid/radiosity.lwc", toWriter(radiosityContent()).bytes()},
           {"valid/radiosity_portals.lwc", toWriter(portalsContent()).bytes()},
-          {"valid/probes.lwc", toWriter(probesContent()).bytes()}};
+          {"valid/probes.lwc", toWriter(probesContent()).bytes()},
+          {"valid/lightmap.lwc", toWriter(lightmapContent()).bytes()}};
 }
 
 std::vector<GoldenFile> invalidFiles() {
@@ -185,12 +187,18 @@ std::vector<GoldenFile> invalidFiles() {
   RadiosityContent gate = portalsContent();
   gate.gate_set[0] = 4;
   add("bad_section.radiosity_gate", toWriter(gate).bytes());
+  RadiosityContent leaf = portalsContent();
+  leaf.header.mutable_portals(0)->set_first_triangle(9);
+  add("bad_section.radiosity_leaf", toWriter(leaf).bytes());
   ProbesContent lattice = probesContent();
   lattice.lattice_point[2] = 8;
   add("bad_section.probes_lattice", toWriter(lattice).bytes());
   ProbesContent link = probesContent();
   link.link_node[1] = 11;
   add("bad_section.probes_node", toWriter(link).bytes());
+  LightmapContent texel = lightmapContent();
+  texel.texel[1] = 0;
+  add("bad_section.lightmap_order", toWriter(texel).bytes());
   Content missing = panesContent();
   missing.left_out = {"atlas/source"};
   add("bad_section.chunk_missing", toWriter(missing).bytes());

@@ -18,6 +18,16 @@ RoomOptions box(uint32_t cells = 5) {
   return options;
 }
 
+/// A box with a leaf across it, 4 × 4 patches, that opens along +z.
+RoomOptions boxWithLeaf() {
+  RoomOptions options = box(4);
+  options.walls.push_back({{0.5, 0, -2}, {0, 0, 4}, {0, 2.5, 0}, 4, 0.5, 0});
+  options.strips = 8;
+  options.leaf_wall = 6;
+  options.gate_sets = {{}};
+  return options;
+}
+
 lw_light pointLight(double x, double y, double z, double candela) {
   lw_light light{};
   light.type = LW_LIGHT_POINT;
@@ -84,6 +94,7 @@ class GlInjection : public testing::TestWithParam<Api> {
   static std::vector<float> onCpu(const LoadedRoom& room, uint32_t side, const std::vector<lw_light>& lights) {
     lw_radiosity_injector* made = nullptr;
     EXPECT_EQ(lw_radiosity_injector_create(room.container.get(), room.radiosity, side, &made), LW_OK);
+    EXPECT_EQ(lw_radiosity_injector_set_portals(made, room.state), LW_OK);
     std::vector<float> rgb(size_t(room.info.patches) * 3);
     EXPECT_EQ(lw_radiosity_inject(made, lights.data(), uint32_t(lights.size()), rgb.data()), LW_OK);
     lw_radiosity_injector_destroy(made);
@@ -135,6 +146,20 @@ TEST_P(GlInjection, GivesTheLightThatTheCpuGives) {
     EXPECT_LT(difference, 1e-3) << lights.size();
   }
   for (const float e : inject(room, {})) ASSERT_EQ(e, 0.0f);
+}
+
+TEST_P(GlInjection, DrawsLeavesAsFarAsTheyAreOpen) {
+  LoadedRoom room(boxWithLeaf());
+  upload(room, 128);
+  const std::vector<lw_light> lamp{pointLight(-0.4, 1.2, 0.1, 10)};
+  const auto shut_rgb = onCpu(room, 128, lamp);
+  for (const float open : {0.0f, 0.3f, 0.5f, 1.0f}) {
+    ASSERT_EQ(lw_radiosity_set_portal(room.state, 0, open), LW_OK);
+    ASSERT_EQ(lw_gl_radiosity_upload(gpu, room.state, LW_GL_RADIOSITY_PORTALS), LW_OK);
+    const auto cpu_rgb = onCpu(room, 128, lamp);
+    EXPECT_LT(relrmse(inject(room, lamp), cpu_rgb), 2e-3) << open;
+    if (open > 0) EXPECT_GT(relrmse(cpu_rgb, shut_rgb), 0.01) << open;
+  }
 }
 
 /// A floor below a smaller roof: shadows of a sun, and nothing from below.

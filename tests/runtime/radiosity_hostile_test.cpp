@@ -34,6 +34,7 @@ TEST(RadiosityHostile, RefusesValuesThatCannotBe) {
       {"no materials", [](Content& c) { c.header.clear_materials(); }},
       {"portal", [](Content& c) { c.header.mutable_portals(0)->set_first_gate(7); }},
       {"strips", [](Content& c) { c.header.mutable_portals(0)->set_strips(0xffffffffu); }},
+      {"leaf axis", [](Content& c) { c.header.mutable_portals(0)->set_axis(1, INFINITY); }},
       {"portal without gates", [](Content& c) { c.left_out = {"link_gates"}; }},
       {"area", [](Content& c) { c.patch_area[3] = 0; }},
       {"position", [](Content& c) { c.patch_position[3] = NAN; }},

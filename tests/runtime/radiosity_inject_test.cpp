@@ -16,6 +16,16 @@ RoomOptions box(uint32_t cells = 5) {
   return options;
 }
 
+/// A box with a leaf across it, 4 × 4 patches, that opens along +z.
+RoomOptions boxWithLeaf() {
+  RoomOptions options = box(4);
+  options.walls.push_back({{0.5, 0, -2}, {0, 0, 4}, {0, 2.5, 0}, 4, 0.5, 0});
+  options.strips = 8;
+  options.leaf_wall = 6;
+  options.gate_sets = {{}};
+  return options;
+}
+
 lw_light pointLight(double x, double y, double z, double candela) {
   lw_light light{};
   light.type = LW_LIGHT_POINT;
@@ -39,6 +49,10 @@ class Injector {
     std::vector<float> rgb(size_t(room_.info.patches) * 3);
     EXPECT_EQ(lw_radiosity_inject(injector_, &light, 1, rgb.data()), LW_OK);
     return rgb;
+  }
+  void open(float how_far) {
+    EXPECT_EQ(lw_radiosity_set_portal(room_.state, 0, how_far), LW_OK);
+    EXPECT_EQ(lw_radiosity_injector_set_portals(injector_, room_.state), LW_OK);
   }
   double power(const lw_light& light, size_t channel = 0) {
     const auto rgb = inject(light);
@@ -214,6 +228,42 @@ TEST(Injection, RefusesWhatCannotBe) {
     for (const float e : rgb) ASSERT_TRUE(std::isfinite(e) && e >= 0);
   }
   lw_radiosity_injector_destroy(injector);
+}
+
+/// What is left of a leaf takes exactly the light that it took when it was shut; the rest goes on, and none is lost.
+TEST(LeafInjection, MovesWithTheDoorsEdge) {
+  LoadedRoom room(boxWithLeaf());
+  Injector injector(room, 256);
+  const lw_light lamp = pointLight(-0.4, 1.2, 0.1, 10);
+  const auto leafPower = [&](const std::vector<float>& rgb, double from, double to) {
+    double sum = 0;
+    for (uint32_t i = 0; i < room.info.patches; ++i) {
+      const double s = (double(room.room.content.patch_position[i * 3 + 2]) + 2) / 4;
+      if (room.room.wall_of_patch[i] == 6 && s > from && s < to) sum += double(rgb[i * 3]) * double(room.room.content.patch_area[i]);
+    }
+    return sum;
+  };
+  const auto shut = injector.inject(lamp);
+  const double whole = injector.power(lamp);
+  EXPECT_NEAR(whole / (4 * kPi * 10), 1, 1e-3);
+  EXPECT_GT(leafPower(shut, 0, 1), 10);
+  double last = leafPower(shut, 0, 1);
+  for (const float open : {0.0f, 0.1f, 0.25f, 0.3f, 0.5f, 0.62f, 0.75f, 1.0f}) {
+    injector.open(open);
+    const auto rgb = injector.inject(lamp);
+    EXPECT_NEAR(injector.power(lamp) / whole, 1, 1e-4) << open;
+    EXPECT_NEAR(leafPower(rgb, std::ceil(double(open) * 4) / 4, 1), leafPower(shut, std::ceil(double(open) * 4) / 4, 1), 1e-4) << open;
+    EXPECT_NEAR(leafPower(rgb, 0, std::floor(double(open) * 4) / 4), 0, 1e-6) << open;
+    EXPECT_LE(leafPower(rgb, 0, 1), last + 1e-6) << open;
+    last = leafPower(rgb, 0, 1);
+  }
+  // Not in steps of strips.
+  injector.open(0.30f);
+  const double before = leafPower(injector.inject(lamp), 0, 1);
+  injector.open(0.31f);
+  const double after = leafPower(injector.inject(lamp), 0, 1);
+  EXPECT_LT(after, before - 1e-3 * whole);
+  EXPECT_GT(after, before - 2e-2 * whole);
 }
 
 }  // namespace

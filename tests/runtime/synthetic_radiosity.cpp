@@ -113,6 +113,14 @@ SyntheticRadiosity makeRoom(const RoomOptions& options) {
     v1::RadiosityPortal& door = *c.header.add_portals();
     door.set_name("door");
     door.set_strips(options.strips);
+    if (options.leaf_wall) {
+      const Wall& leaf = options.walls[options.leaf_wall];
+      const double length2 = dot(leaf.a, leaf.a);
+      door.set_first_triangle(options.leaf_wall * 2);
+      door.set_triangles(2);
+      for (const double a : leaf.a) door.add_axis(float(a / length2));
+      door.set_offset(float(-dot(leaf.corner, leaf.a) / length2));
+    }
     c.gate_set_first = {0};
     for (const auto& set : options.gate_sets) {
       c.gate_set.insert(c.gate_set.end(), set.begin(), set.end());

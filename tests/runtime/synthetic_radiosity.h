@@ -29,6 +29,7 @@ struct RoomOptions {
   /// The gate set of their links; empty: 0.
   std::function<uint16_t(uint32_t receiving_wall, uint32_t sending_wall)> gate_set;
   uint32_t strips = 0;                            // of one portal, "door"
+  uint32_t leaf_wall = 0;                         // its leaf, which opens along the wall's a; 0: it has none
   std::vector<std::vector<uint16_t>> gate_sets;   // set 0 must be empty
   bool merge = false;                             // eight patches of a wall to a link
 };
