@@ -6,6 +6,7 @@
 #include "format/encode/verify.h"
 #include "precompute/transport/reference/reference.h"
 #include "tests/bake/baked_room.h"
+#include "tests/support/door_scenes.h"
 
 namespace lightwell::bake {
 namespace {
@@ -136,6 +137,26 @@ TEST(Probes, NoLightComesThroughAThinWall) {
           ASSERT_GT(bright[0][0], 0.5f * lit[0][0]) << (solid ? "solid" : "sheet") << " gap " << gap << " at " << y << ", " << z;
         }
   }
+}
+
+TEST(Probes, LightComesThroughADoorAsFarAsItIsOpen) {
+  test::DoorOptions options;
+  ProbeSettings settings = lattice(1);
+  BakedRoom rooms(test::roomsInARow(options), settings, 64);
+  const float middle = 1.5f * test::kRoomLength + test::kWallThickness;
+  rooms.shine(test::pointLight({1.5f, 1.5f, 0.3f}, 50));
+  double dark[3] = {};
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(lw_radiosity_set_portal(rooms.state, 0, 0.5f * float(i)), LW_OK);
+    const auto sh = rooms.evaluate();
+    float around[9][3];
+    const float position[3] = {middle, 1.5f, 0};
+    ASSERT_EQ(lw_probes_sample(rooms.loaded, sh.data(), position, around), LW_OK);
+    dark[i] = double(around[0][0]);
+  }
+  EXPECT_LT(dark[0], 1e-3 * dark[2]);
+  EXPECT_GT(dark[1], 0.2 * dark[2]);
+  EXPECT_LT(dark[1], 0.8 * dark[2]);
 }
 
 TEST(Probes, StandInTheOpen) {
