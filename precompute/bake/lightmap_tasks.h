@@ -1,0 +1,25 @@
+// The stages of a light map as tasks of the graph.
+#pragma once
+#include <memory>
+
+#include "precompute/bake/context.h"
+#include "precompute/bake/task_graph.h"
+#include "precompute/transport/lightmap/bake_lightmap.h"
+
+namespace lightwell::bake {
+
+/// The estimator's settings for a bake's settings.
+transport::LightmapSettings lightmapSettings(const plan::Settings& settings);
+
+/// With the patches as a task of their own, run by `tasks`. `context` must have a tracer and outlive the baker.
+std::shared_ptr<const transport::LightmapBaker> makeLightmapBaker(const BakeContext& context, const transport::LightmapSettings& settings, TaskRunner& tasks);
+
+/// What the section "lightmap" is assembled from, in range order.
+struct LightmapTasks {
+  std::vector<TaskIndex> direct, gathered;
+};
+/// `baker` was made with `settings`.
+LightmapTasks addLightmapTasks(TaskGraph& graph, const BakeContext& context, const transport::LightmapSettings& settings,
+                               std::shared_ptr<const transport::LightmapBaker> baker);
+
+}  // namespace lightwell::bake

@@ -1,0 +1,61 @@
+// Light maps from the scene to the evaluated atlas: a closed room, whose light is known, on both evaluators.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/cli/command_fixture.h"
+#include "tests/cli/scenes.h"
+
+namespace lightwell::test {
+namespace {
+
+using testing::HasSubstr;
+
+class CliLightmapTest : public CommandTest {
+ protected:
+  void SetUp() override { writeFile(path("lamp.gltf"), roomGltf({.albedo = 0.7, .lamp_candela = 1})); }
+  std::vector<std::string> bakeTo(const std::string& file, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"bake", path("lamp.gltf"), "-o", path(file), "--techniques", "lightmap", "--lightmap-size", "32", "--quality", "draft"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  double evaluate(const std::string& component, const std::string& evaluator = "cpu") {
+    run({"evaluate", path("m.lwc"), "--technique", "lightmap", "--component", component, "--evaluator", evaluator, "-o", path("e.exr")});
+    return meanOf("e.exr");
+  }
+};
+
+TEST_F(CliLightmapTest, AClosedRoomKeepsTheLampsEnergyOnBothEvaluators) {
+  run(bakeTo("m.lwc"));
+  run({"verify", path("m.lwc")});
+  const double direct = 4 * std::numbers::pi / 24, indirect = direct / 0.3 - direct;  // 24 m², albedo 0.7, 1 cd
+  for (const char* evaluator : {"cpu", "gl"}) {
+    EXPECT_NEAR(evaluate("direct", evaluator) / direct, 1, 0.01);
+    EXPECT_NEAR(evaluate("indirect", evaluator) / indirect, 1, 0.02);
+    EXPECT_NEAR(evaluate("total", evaluator) / (direct + indirect), 1, 0.02);
+  }
+  EXPECT_THAT(run({"info", path("m.lwc")}).out, HasSubstr("lightmap"));
+}
+
+TEST_F(CliLightmapTest, HasTheLightsItWasBakedWithAndNoOthers) {
+  writeFile(path("bright.json"), R"({"lights": [{"type": "point", "position": [1, 1, 1], "color": [1, 1, 1], "intensity": 5}]})");
+  writeFile(path("none.json"), R"({"lights": []})");
+  run(bakeTo("m.lwc", {"--lights", path("bright.json")}));
+  EXPECT_NEAR(evaluate("total") / (5 * 4 * std::numbers::pi / 24 / 0.3), 1, 0.02);
+  const Finished relit = lightwell({"evaluate", path("m.lwc"), "--technique", "lightmap", "--lights", path("none.json"), "-o", path("e.exr")});
+  EXPECT_EQ(relit.exit_code, 2);
+  EXPECT_THAT(relit.err, HasSubstr("bake --lights"));
+  // Nothing shines: nothing is stored, and info says why.
+  run(bakeTo("m.lwc", {"--lights", path("none.json")}));
+  EXPECT_THAT(run({"info", path("m.lwc")}).out, HasSubstr("without lightmap: nothing shines"));
+}
+
+TEST_F(CliLightmapTest, TheBytesDoNotDependOnThreads) {
+  for (const char* threads : {"1", "2", "5"}) run(bakeTo(std::string("m") + threads + ".lwc", {"--threads", threads}));
+  EXPECT_EQ(readFile(path("m1.lwc")), readFile(path("m2.lwc")));
+  EXPECT_EQ(readFile(path("m1.lwc")), readFile(path("m5.lwc")));
+}
+
+}  // namespace
+}  // namespace lightwell::test

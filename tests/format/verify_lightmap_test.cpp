@@ -1,0 +1,60 @@
+// Each invariant of the section lightmap, broken once: verify names the chunk and the issue, and nothing else is wrong with the file.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "format/encode/verify.h"
+#include "tests/format/lightmap_content.h"
+#include "tests/format/listed.h"
+
+namespace lightwell::format {
+namespace {
+
+struct Breach {
+  const char* name;
+  IssueId id;
+  const char* place;
+  std::function<void(LightmapContent&)> spoil;
+};
+
+std::vector<Issue> issuesOf(const LightmapContent& content) {
+  const std::vector<uint8_t> file = toWriter(content).bytes();
+  return verify(memorySource(file.data(), file.size()));
+}
+
+const std::vector<Breach>& breaches() {
+  using C = LightmapContent;
+  static const std::vector<Breach> all = {
+      {"NoTexels", IssueId::header_value, "lightmap/header", [](C& c) { c.header.clear_texels(); }},
+      {"TexelOutside", IssueId::index_range, "lightmap/texel", [](C& c) { c.texel[2] = 16; }},
+      {"TexelTwice", IssueId::order, "lightmap/texel", [](C& c) { c.texel[1] = 0; }},
+      {"TexelUncovered", IssueId::cross_section, "lightmap/texel", [](C& c) { c.texel[2] = 5; }},
+      {"DirectMissing", IssueId::chunk_missing, "lightmap/direct", [](C& c) { c.direct.clear(); }},
+      {"IndirectShort", IssueId::chunk_shape, "lightmap/indirect", [](C& c) { c.indirect.pop_back(); }},
+  };
+  return all;
+}
+
+TEST(VerifyLightmap, FindsNothingWrong) {
+  EXPECT_EQ(listed(issuesOf(lightmapContent())), "");
+  LightmapContent dark = lightmapContent();
+  dark.header.set_has_direct(false);
+  dark.direct.clear();
+  EXPECT_EQ(listed(issuesOf(dark)), "");
+}
+
+class VerifyLightmapBreach : public testing::TestWithParam<Breach> {};
+
+TEST_P(VerifyLightmapBreach, IsNamed) {
+  LightmapContent content = lightmapContent();
+  GetParam().spoil(content);
+  const auto issues = issuesOf(content);
+  ASSERT_EQ(issues.size(), 1u) << listed(issues);
+  EXPECT_EQ(issues[0].id, GetParam().id) << listed(issues);
+  EXPECT_EQ(issues[0].place, GetParam().place) << listed(issues);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, VerifyLightmapBreach, testing::ValuesIn(breaches()), [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace lightwell::format
