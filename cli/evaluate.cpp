@@ -5,6 +5,7 @@
 #include "cli/command.h"
 #include "cli/environment_evaluator.h"
 #include "cli/irradiance_image.h"
+#include "cli/lightmap_evaluator.h"
 #include "cli/portal_options.h"
 #include "cli/prm_evaluator.h"
 #include "cli/radiosity_evaluator.h"
@@ -109,6 +110,14 @@ std::vector<Rgb> lightOfRadiosity(Session& session, const Options& options, Comp
   return valuesOfSlots(container.atlas, atlas_rgba);
 }
 
+/// What the section "lightmap" holds, one value per slot: all of it was baked.
+std::vector<Rgb> lightOfLightmap(const Options& options, Component component, const RuntimeContainer& runtime, const bake::ContainerScene& container) {
+  uint32_t light = 0;
+  if (component != Component::indirect) light |= LW_LIGHTMAP_DIRECT;
+  if (component != Component::direct) light |= LW_LIGHTMAP_INDIRECT;
+  return valuesOfSlots(container.atlas, options.evaluator == "gl" ? evaluateLightmapOnGl(runtime, light) : evaluateLightmapOnCpu(runtime, light));
+}
+
 std::vector<Rgb> lightOfSky(Session& session, const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container,
                             const trace::Tracer& tracer) {
   ProgressMeter meter(session.console, "sky");
@@ -121,9 +130,10 @@ std::vector<Rgb> lightOfSky(Session& session, const Options& options, const Runt
 void run(Session& session, const Options& options) {
   checkWritable(options.output);
   if (options.probes_out) checkWritable(*options.probes_out);
-  const bool by_cells = options.technique == "environment", by_patches = options.technique == "radiosity";
-  if (!by_cells && !by_patches && options.technique != "prm")
-    throw UsageError("--technique: this version cannot evaluate \"" + options.technique + "\" yet; it evaluates prm, radiosity and environment");
+  const bool by_cells = options.technique == "environment", by_patches = options.technique == "radiosity", baked = options.technique == "lightmap";
+  if (!by_cells && !by_patches && !baked && options.technique != "prm")
+    throw UsageError("--technique: this version cannot evaluate \"" + options.technique + "\" yet; it evaluates prm, lightmap, radiosity and environment");
+  if (baked && options.lights) throw UsageError("--lights: a light map holds the lights that it was baked with; bake --lights bakes others");
   checkReadable(options.container);
   if (options.lights) checkReadable(*options.lights);
   const Component component = componentNamed(options.component);
@@ -132,7 +142,7 @@ void run(Session& session, const Options& options) {
   checkHas("geometry", options, reader);
   if (options.probes_out && !by_patches) throw UsageError("--probes-out: only --technique radiosity lights probes");
   if (options.probes_out) checkHas("probes", options, reader);
-  if (component == Component::indirect && !by_patches) checkHas("prm", options, reader);
+  if (component == Component::indirect && !by_patches && !baked) checkHas("prm", options, reader);
   Diagnostics diagnostics;
   session.console.progress("open", "open …");
   bake::ContainerScene container = bake::loadContainerScene(reader, diagnostics);
@@ -154,10 +164,11 @@ void run(Session& session, const Options& options) {
   const auto add = [&](const std::vector<Rgb>& part_rgb) {
     for (size_t slot = 0; slot < irradiance_rgb.size(); ++slot) irradiance_rgb[slot] += part_rgb[slot];
   };
-  if (component != Component::indirect && !container.scene.lights.empty()) add(lightOfLamps(session, options, container, tracer));
+  if (!baked && component != Component::indirect && !container.scene.lights.empty()) add(lightOfLamps(session, options, container, tracer));
   if (by_cells && component != Component::indirect) add(lightOfSky(session, options, runtime, container, tracer));
   const uint32_t sky = by_cells ? LW_SKY_INDIRECT : LW_SKY_INDIRECT | LW_SKY_DIRECT;
-  if (by_patches) add(lightOfRadiosity(session, options, component, runtime, container, portal_open, tracer));
+  if (baked) add(lightOfLightmap(options, component, runtime, container));
+  else if (by_patches) add(lightOfRadiosity(session, options, component, runtime, container, portal_open, tracer));
   else if (reader.has("prm")) add(lightOfTransport(session, options, component, sky, runtime, container, tracer));
   const ImageRgba image = imageOfSlots(container.scene.mesh, container.atlas, size, irradiance_rgb);
   writeOutput(session, options.output, [&] { writeExr(options.output, image); });
@@ -172,7 +183,7 @@ void addEvaluate(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand("evaluate", "What the runtime makes of a container, as an atlas of irradiance");
   command->add_option("container", options->container, "Container to evaluate")->required()->type_name("OUT.lwc");
   addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered (half of it, or a sliver's)");
-  command->add_option("--technique", options->technique, "prm: transport of lamps, and what it holds of a sky; radiosity: form factors, all bounces; environment: the same, but a sky lights straight "
+  command->add_option("--technique", options->technique, "prm: transport of lamps, and what it holds of a sky; lightmap: what was baked for lights that do not move; radiosity: form factors, all bounces; environment: the same, but a sky lights straight "
                    "through its cells, shadowed one by one")
       ->required()
       ->type_name("NAME")

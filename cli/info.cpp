@@ -104,6 +104,10 @@ json contentJson(const format::Reader& reader) {
                             {"materials", names(radiosity.materials())},
                             {"portals", portalsJson(radiosity)}};
   }
+  if (reader.has("lightmap", "header")) {
+    const auto lightmap = reader.lightmap();
+    content["lightmap"] = {{"texels", lightmap.texels()}, {"has_direct", lightmap.has_direct()}, {"has_indirect", lightmap.has_indirect()}};
+  }
   if (reader.has("probes", "header")) {
     const auto probes = reader.probes();
     content["probes"] = {{"lattice_probes", probes.lattice_probes()},

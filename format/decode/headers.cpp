@@ -102,6 +102,17 @@ bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHea
   return reader.ok() && sky_flux.complete() && radiance_sh.complete();
 }
 
+bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& header) {
+  header = {};
+  WireReader reader(message, bytes);
+  while (reader.next()) switch (reader.field()) {
+      case 1: reader.read(header.texels); break;
+      case 2: reader.read(header.has_direct); break;
+      case 3: reader.read(header.has_indirect); break;
+    }
+  return reader.ok();
+}
+
 bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header) {
   header = {};
   WireReader reader(message, bytes);

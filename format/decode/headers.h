@@ -58,6 +58,11 @@ struct RadiosityHeader {
   uint32_t material_count = 0, portal_count = 0;
 };
 
+struct LightmapHeader {
+  uint32_t texels = 0;
+  bool has_direct = false, has_indirect = false;
+};
+
 struct ProbesHeader {
   uint32_t lattice_probes = 0, points = 0;
   uint64_t lattice_count[3] = {};      // all 0 without a lattice
@@ -70,6 +75,7 @@ struct ProbesHeader {
 bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header);
 bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header);
 bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHeader& header);
+bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& header);
 bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header);
 /// `lights` may be null; otherwise it receives the first `light_capacity` lights. SceneHeader::light_count counts all.
 bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity);

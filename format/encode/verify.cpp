@@ -138,7 +138,8 @@ std::vector<Issue> verify(const Source& source, const Limits& limits) {
   using Check = void (*)(VerifyContext&);
   constexpr std::pair<const char*, Check> checks[] = {
       {"meta", verifyMeta}, {"scene", verifyScene}, {"geometry", verifyGeometry}, {"atlas", verifyAtlas}, {"prm", verifyPrm},
-      {"environment", verifyEnvironment}, {"radiosity", verifyRadiosity}, {"probes", verifyProbes}};
+      {"environment", verifyEnvironment}, {"radiosity", verifyRadiosity}, {"probes", verifyProbes},
+      {"lightmap", verifyLightmap}};
   for (const auto& [type, check] : checks)
     if (context.has(type)) check(context);
   context.checkRemaining();

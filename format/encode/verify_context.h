@@ -94,5 +94,6 @@ void verifyPrm(VerifyContext& context);
 void verifyEnvironment(VerifyContext& context);
 void verifyRadiosity(VerifyContext& context);
 void verifyProbes(VerifyContext& context);
+void verifyLightmap(VerifyContext& context);
 
 }  // namespace lightwell::format

@@ -2,6 +2,7 @@
 
 #include "format/encode/writer.h"
 #include "precompute/bake/environment_tasks.h"
+#include "precompute/bake/lightmap_tasks.h"
 #include "precompute/bake/measured_error.h"
 #include "precompute/bake/stage_tasks.h"
 #include "precompute/bake/prm_tasks.h"
@@ -57,6 +58,8 @@ struct ContainerParts {
   InputRange radiosity_links;                      // empty without radiosity
   ProbesToBake probes;
   InputRange probe_links;                          // empty without probes
+  std::shared_ptr<const transport::LightmapBaker> lightmap;
+  InputRange lightmap_direct, lightmap_gathered;   // empty without a light map
   InputRange references;                           // of indirect light, for whatever gives it
   InputRange environment, environment_errors;      // at most one each
 };
@@ -92,6 +95,10 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   std::optional<transport::ProbeResult> probes;
   if (plan.probes) probes = parts.probes.baker->assemble(viewsOf(parts.probe_links.of(in)));
   in.cancel.check();
+  std::optional<transport::Lightmap> lightmap;
+  if (plan.lightmap)
+    lightmap = parts.lightmap->assemble(viewsOf(parts.lightmap_direct.of(in)), viewsOf(parts.lightmap_gathered.of(in)), context.threads(), in.cancel);
+  in.cancel.check();
   for (const Blob& errors : parts.environment_errors.of(in))
     for (const EnvironmentError& e : readEnvironmentErrors(errors))
       addError(meta, "environment", e.relrmse, e.texrel, e.bias,
@@ -107,6 +114,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   in.cancel.check();
   if (prm) addPrmSection(writer, *prm, sky, context.scene().metres_per_unit);
   in.cancel.check();
+  if (lightmap) addLightmapSection(writer, *lightmap, context.atlas());
   if (radiosity) addRadiositySection(writer, *radiosity, context.scene());
   if (probes) addProbesSection(writer, *probes, context.scene().metres_per_unit);
   in.cancel.check();
@@ -146,6 +154,8 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
       plan.omitted.push_back({"probes", "every point of the lattice lies inside of things"});
     }
   }
+  const transport::LightmapSettings lightmap_settings = lightmapSettings(options.settings);
+  if (plan.lightmap) parts.lightmap = makeLightmapBaker(context, lightmap_settings, tasks);
   std::vector<TaskIndex> inputs;
   const auto take = [&](const std::vector<TaskIndex>& tasks) {
     const InputRange range{inputs.size(), tasks.size()};
@@ -163,6 +173,11 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     const RadiosityTasks radiosity = addRadiosityTasks(result.graph, context, radiosity_settings, parts.radiosity);
     parts.radiosity_links = take(radiosity.links);
     if (plan.probes) parts.probe_links = take(addProbeTasks(result.graph, context, parts.probes, radiosity_settings, radiosity));
+  }
+  if (plan.lightmap) {
+    const LightmapTasks lightmap = addLightmapTasks(result.graph, context, lightmap_settings, parts.lightmap);
+    parts.lightmap_direct = take(lightmap.direct);
+    parts.lightmap_gathered = take(lightmap.gathered);
   }
   if (plan.environment) {
     const bool measure = options.settings.quality != plan::Quality::draft;

@@ -110,6 +110,7 @@ BakeContext::BakeContext(const SceneSource& source, const plan::Settings& settin
   });
   addFacts(atlas_, facts_);
   facts_.has_portals = !scene_.portals.empty();
+  facts_.has_lamps = !scene_.lights.empty();
 }
 
 }  // namespace lightwell::bake

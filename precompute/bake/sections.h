@@ -10,6 +10,7 @@
 #include "precompute/plan/settings.h"
 #include "precompute/scene/scene.h"
 #include "precompute/transport/environment/environment.h"
+#include "precompute/transport/lightmap/bake_lightmap.h"
 #include "precompute/transport/prm/prm.h"
 #include "precompute/transport/radiosity/bake_probes.h"
 #include "precompute/transport/radiosity/radiosity.h"
@@ -28,6 +29,8 @@ void addEnvironmentSection(format::Writer& writer, const transport::Environment&
 void addRadiositySection(format::Writer& writer, const transport::RadiosityResult& radiosity, const scene::Scene& scene);
 /// `metres_per_unit` of the scene.
 void addProbesSection(format::Writer& writer, const transport::ProbeResult& probes, double metres_per_unit);
+/// Every number is rounded here to nine bits and a shared exponent.
+void addLightmapSection(format::Writer& writer, const transport::Lightmap& lightmap, const atlas::Atlas& atlas);
 void addMetaSection(format::Writer& writer, const v1::MetaHeader& header);
 
 }  // namespace lightwell::bake

@@ -5,7 +5,7 @@
 namespace lightwell::plan {
 namespace {
 
-constexpr Technique kBakers[] = {Technique::prm, Technique::radiosity, Technique::environment};
+constexpr Technique kBakers[] = {Technique::prm, Technique::lightmap, Technique::radiosity, Technique::environment};
 
 /// Why a technique that can be baked has no use here; empty when it has one.
 std::string uselessness(Technique technique, const SceneFacts& facts) {
@@ -16,8 +16,18 @@ std::string uselessness(Technique technique, const SceneFacts& facts) {
   if (!facts.has_scene) return "no scene was given";
   if (!facts.has_surfaces) return "the scene has no surfaces";
   if (technique == Technique::radiosity) return "";  // what neither reflects nor emits may do so later
+  if (technique == Technique::lightmap) return facts.has_lamps || facts.has_emitters || facts.has_sky_light ? "" : "nothing shines: no lamp, no emitter, no sky";
   if (!facts.has_reflection && !facts.has_emitters && !facts.has_sky_light) return "no surface reflects or emits light";
   return "";
+}
+
+bool& chosen(Plan& plan, Technique technique) {
+  switch (technique) {
+    case Technique::lightmap: return plan.lightmap;
+    case Technique::radiosity: return plan.radiosity;
+    case Technique::environment: return plan.environment;
+    default: return plan.prm;
+  }
 }
 
 bool wantsProbes(const Settings& settings) { return settings.probe_spacing_m != 0 || !settings.probe_points_m.empty(); }
@@ -29,7 +39,7 @@ bool hasBaker(Technique technique) { return std::find(std::begin(kBakers), std::
 void checkTechniques(const Settings& settings) {
   for (const Technique technique : settings.techniques)
     if (!hasBaker(technique))
-      throw UsageError("--techniques: this version cannot bake \"" + std::string(name(technique)) + "\" yet; it bakes prm, radiosity and environment");
+      throw UsageError("--techniques: this version cannot bake \"" + std::string(name(technique)) + "\" yet; it bakes prm, lightmap, radiosity and environment");
 }
 
 void checkPrm(const Settings& settings) {
@@ -85,8 +95,10 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
       plan.omitted.push_back({type, useless});
     else if (technique == Technique::radiosity && automatic && !facts.has_portals)
       plan.omitted.push_back({type, "not asked for: section prm has the scene's light as long as albedo and emission stay"});
+    else if (technique == Technique::lightmap && automatic)
+      plan.omitted.push_back({type, "not asked for: section prm has the light of lamps that may move"});
     else
-      (technique == Technique::prm ? plan.prm : technique == Technique::radiosity ? plan.radiosity : plan.environment) = true;
+      chosen(plan, technique) = true;
   }
   plan.probes = plan.radiosity && wantsProbes(settings);
   if (plan.radiosity && !plan.probes) plan.omitted.push_back({"probes", "not asked for: what moves in the scene is the game's to know"});

@@ -12,6 +12,7 @@ struct SceneFacts {
   bool has_scene = true;       // not only a sky
   bool has_surfaces = false;   // at least one texel of the atlas is covered
   bool has_emitters = false;   // some texel emits
+  bool has_lamps = false;      // punctual lights
   bool has_reflection = false; // some texel's albedo is not black
   bool has_portals = false;    // doors or shutters
   bool has_environment = false; // a map was given
@@ -28,6 +29,7 @@ struct Plan {
   bool prm = false;
   bool prm_emitter = false;       // the constant panes of the scene's own emitters
   bool prm_sky = false;           // the constant panes of the sky
+  bool lightmap = false;
   bool radiosity = false;
   bool probes = false;            // for moving objects, lit by the patches of radiosity
   bool environment = false;

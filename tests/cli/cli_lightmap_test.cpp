@@ -39,7 +39,7 @@ TEST_F(CliLightmapTest, AClosedRoomKeepsTheLampsEnergyOnBothEvaluators) {
 }
 
 TEST_F(CliLightmapTest, HasTheLightsItWasBakedWithAndNoOthers) {
-  writeFile(path("bright.json"), R"({"lights": [{"type": "point", "position": [1, 1, 1], "color": [1, 1, 1], "intensity": 5}]})");
+  writeFile(path("bright.json"), R"({"lights": [{"type": "point", "position": [0.2, 0.3, 0.1], "color": [1, 1, 1], "intensity": 5}]})");
   writeFile(path("none.json"), R"({"lights": []})");
   run(bakeTo("m.lwc", {"--lights", path("bright.json")}));
   EXPECT_NEAR(evaluate("total") / (5 * 4 * std::numbers::pi / 24 / 0.3), 1, 0.02);

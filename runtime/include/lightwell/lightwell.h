@@ -488,6 +488,36 @@ typedef struct lw_radiosity_shading {
  * atlas_rgba: [height][width][4]; alpha 1 where a texel has a value. */
 LW_API lw_result lw_radiosity_shade(lw_radiosity_state *state, const lw_radiosity_shading *shading, float *atlas_rgba);
 
+/* ---- Light map -------------------------------------------------------------------------------------------------------------------- */
+
+/* Irradiance of lights that do not move, per texel: decode, shade once, upload as a texture (or lw_gl_lightmap_create). Immutable, usable from any thread. */
+typedef struct lw_lightmap lw_lightmap;
+
+typedef struct lw_lightmap_info {
+  uint32_t texels;         /* with a value */
+  uint32_t width, height;  /* of the atlas */
+  uint32_t has_direct;     /* 0: no light falls on anything straight from lamps, emitters or a sky */
+  uint32_t has_indirect;   /* 0: none after a reflection */
+} lw_lightmap_info;
+
+/* Decodes and checks the section "lightmap" and the atlas's source map. Memory: 12 bytes a texel, 4 a texel of the atlas. Fails as lw_decode_array does.
+ *
+ * lightmap: receives a handle, to be released with lw_lightmap_release. */
+LW_API lw_result lw_lightmap_load(const lw_container *container, lw_lightmap **lightmap);
+LW_API void lw_lightmap_release(lw_lightmap *lightmap);
+LW_API lw_result lw_lightmap_get_info(const lw_lightmap *lightmap, lw_lightmap_info *info);
+
+enum { LW_LIGHTMAP_DIRECT = 1, LW_LIGHTMAP_INDIRECT = 2 };
+typedef struct lw_lightmap_shading {
+  size_t size;             /* sizeof(lw_lightmap_shading), set by LW_LIGHTMAP_SHADING_INIT */
+  uint32_t light;          /* LW_LIGHTMAP_… bits: which light */
+  uint32_t fill;           /* as in lw_prm_options */
+} lw_lightmap_shading;
+#define LW_LIGHTMAP_SHADING_INIT {sizeof(lw_lightmap_shading), LW_LIGHTMAP_DIRECT | LW_LIGHTMAP_INDIRECT, 1}
+
+/* shading: NULL for LW_LIGHTMAP_SHADING_INIT. atlas_rgba: [height][width][4], as lw_prm_evaluate gives it. */
+LW_API lw_result lw_lightmap_shade(const lw_lightmap *lightmap, const lw_lightmap_shading *shading, float *atlas_rgba);
+
 /* ---- Probes ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Light for what moves: places in the air that know what they receive from the patches of radiosity, on a lattice and at points that the bake was asked for. It is light that patches

@@ -234,6 +234,26 @@ LW_API lw_result lw_gl_radiosity_read_atlas(lw_gl_radiosity *gl_radiosity, float
  * A program with more than 16 blockers defines LW_BLOCKERS before the source (two vectors each). LW_NOT_FOUND when the program does not use the snippet. State is restored. */
 LW_API lw_result lw_gl_set_blockers(lw_gl *gl, uint32_t program, const lw_blocker *blockers, uint32_t count);
 
+/* ---- Light map -------------------------------------------------------------------------------------------------------------------- */
+
+/* A baked light map as a texture of irradiance: made once, with gutters filled, linear filter. */
+typedef struct lw_gl_lightmap lw_gl_lightmap;
+
+typedef struct lw_gl_lightmap_options {
+  size_t size;                         /* sizeof(lw_gl_lightmap_options), set by LW_GL_LIGHTMAP_OPTIONS_INIT */
+  uint32_t atlas_format;               /* as in lw_gl_prm_options */
+  const lw_lightmap_shading *shading;  /* NULL for LW_LIGHTMAP_SHADING_INIT */
+} lw_gl_lightmap_options;
+#define LW_GL_LIGHTMAP_OPTIONS_INIT {sizeof(lw_gl_lightmap_options), LW_GL_ATLAS_RGBA16F, NULL}
+
+/* `lightmap` is not used afterwards. Fails with LW_LIMIT_EXCEEDED, LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT. */
+LW_API lw_result lw_gl_lightmap_create(lw_gl *gl, const lw_lightmap *lightmap, const lw_gl_lightmap_options *options, lw_gl_lightmap **gl_lightmap);
+LW_API void lw_gl_lightmap_destroy(lw_gl_lightmap *gl_lightmap);
+LW_API uint32_t lw_gl_lightmap_texture(const lw_gl_lightmap *gl_lightmap);
+LW_API uint64_t lw_gl_lightmap_texture_bytes(const lw_gl_lightmap *gl_lightmap);
+/* For tools and tests; waits for the GPU. rgba: [height][width][4]. */
+LW_API lw_result lw_gl_lightmap_read(lw_gl_lightmap *gl_lightmap, float *rgba);
+
 /* ---- Probes ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Probes for moving objects on the GPU, lit by an lw_gl_radiosity.
