@@ -82,5 +82,63 @@ TEST_F(CliRadiosityTest, IsListedAndSound) {
   EXPECT_EQ(wrong.exit_code, 2) << wrong.err;
 }
 
+class CliPortalTest : public CommandTest {
+ protected:
+  std::vector<std::string> bake(const std::string& scene, const std::string& out, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"bake", path(scene), "-o", path(out), "--lightmap-size", "48", "--quality", "draft"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  std::vector<std::string> evaluate(const std::string& container, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"evaluate", path(container), "--technique", "radiosity", "--component", "indirect", "-o", path("e.exr")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  double errorAgainst(const std::string& reference) {
+    return runJson({"compare", path(reference), path("e.exr"), "--json"}, "compare")["relrmse"].get<double>();
+  }
+};
+
+TEST_F(CliPortalTest, OpenAsFarAsTheyAreTold) {
+  writeFile(path("s.gltf"), roomGltf({.albedo = 0.6, .lamp_candela = 1, .shutter = true}));
+  run(bake("s.gltf", "s.lwc", {"--techniques", "radiosity"}));
+  run({"verify", path("s.lwc")});
+  const auto portals = runJson({"info", path("s.lwc"), "--json"}, "info")["content"]["radiosity"]["portals"];
+  ASSERT_EQ(portals.size(), 1u);
+  EXPECT_EQ(portals[0]["name"], "shutter");
+  EXPECT_EQ(portals[0]["strips"], 4);
+  EXPECT_EQ(portals[0]["triangles"], 2);
+  for (const std::string open : {"0", "0.5", "1"}) {
+    run({"reference", path("s.gltf"), "--component", "indirect", "--lightmap-size", "48", "--samples", "1024", "--portal", "shutter=" + open, "-o", path("r.exr")});
+    run(evaluate("s.lwc", {"--portal", "shutter=" + open}));
+    EXPECT_LT(errorAgainst("r.exr"), 0.06) << open;
+  }
+  for (const std::string open : {"0", "0.3", "0.5", "1"}) {
+    run(evaluate("s.lwc", {"--portal", "shut*=" + open, "--injection", "128"}));
+    std::filesystem::rename(path("e.exr"), path("cpu.exr"));
+    run(evaluate("s.lwc", {"--portal", "shut*=" + open, "--injection", "128", "--evaluator", "gl"}));
+    EXPECT_LT(errorAgainst("cpu.exr"), 0.005) << open;
+  }
+}
+
+TEST_F(CliPortalTest, AreNamedByOptions) {
+  writeFile(path("plain.gltf"), roomGltf({.albedo = 0.6, .lamp_candela = 1, .shutter = true, .shutter_marked = false}));
+  run(bake("plain.gltf", "plain.lwc"));
+  EXPECT_FALSE(runJson({"info", path("plain.lwc"), "--json"}, "info")["content"].contains("radiosity")) << "auto has radiosity for portals alone";
+  run(bake("plain.gltf", "a.lwc", {"--portal", "shut*", "--threads", "1"}));
+  run(bake("plain.gltf", "b.lwc", {"--portal", "shut*", "--threads", "3"}));
+  EXPECT_EQ(readFile(path("a.lwc")), readFile(path("b.lwc")));
+  EXPECT_EQ(runJson({"info", path("a.lwc"), "--json"}, "info")["content"]["radiosity"]["portals"][0]["strips"], 8);
+  EXPECT_THAT(run({"info", path("a.lwc")}).out, testing::HasSubstr("the scene has portals"));
+
+  const auto unknown = lightwell(bake("plain.gltf", "c.lwc", {"--portal", "gate"}));
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, testing::HasSubstr("shutter"));
+  EXPECT_EQ(lightwell(evaluate("a.lwc", {"--portal", "gate=0.5"})).exit_code, 2);
+  EXPECT_EQ(lightwell(evaluate("a.lwc", {"--portal", "shutter=2"})).exit_code, 2);
+  EXPECT_EQ(lightwell(evaluate("a.lwc", {"--portal", "shutter"})).exit_code, 2);
+  EXPECT_EQ(lightwell({"evaluate", path("a.lwc"), "--technique", "prm", "--portal", "shutter=1", "-o", path("e.exr")}).exit_code, 2);
+}
+
 }  // namespace
 }  // namespace lightwell::test

@@ -85,6 +85,24 @@ void addBoxes(json& gltf, json& roots, const RoomOptions& options) {
   }
 }
 
+void addShutter(json& gltf, json& roots, const RoomOptions& options) {
+  std::vector<uint8_t> bytes;
+  append(bytes, std::vector<float>{0.5f, -1, -1, 0.5f, -1, 1, 0.5f, 1, 1, 0.5f, 1, -1});
+  append(bytes, std::vector<uint32_t>{0, 1, 2, 0, 2, 3});
+  const size_t buffer = gltf["buffers"].size(), view = gltf["bufferViews"].size(), accessor = gltf["accessors"].size();
+  gltf["buffers"].push_back({{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}});
+  gltf["bufferViews"].push_back({{"buffer", buffer}, {"byteOffset", 0}, {"byteLength", 48}});
+  gltf["bufferViews"].push_back({{"buffer", buffer}, {"byteOffset", 48}, {"byteLength", 24}});
+  gltf["accessors"].push_back({{"bufferView", view}, {"componentType", 5126}, {"count", 4}, {"type", "VEC3"}, {"min", {0.5, -1, -1}}, {"max", {0.5, 1, 1}}});
+  gltf["accessors"].push_back({{"bufferView", view + 1}, {"componentType", 5125}, {"count", 6}, {"type", "SCALAR"}});
+  gltf["materials"].push_back(surfaceMaterial("sheet", 0.5, 0));
+  gltf["materials"].back()["doubleSided"] = true;
+  gltf["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", accessor}}}, {"indices", accessor + 1}, {"material", gltf["materials"].size() - 1}}}}});
+  roots.push_back(gltf["nodes"].size());
+  gltf["nodes"].push_back({{"name", "shutter"}, {"mesh", gltf["meshes"].size() - 1}});
+  if (options.shutter_marked) gltf["nodes"].back()["extras"]["lightwell"]["portal"] = {{"strips", 4}};
+}
+
 }  // namespace
 
 std::string roomGltf(const RoomOptions& options) {
@@ -129,6 +147,7 @@ std::string roomGltf(const RoomOptions& options) {
     roots.push_back(gltf["nodes"].size());
     gltf["nodes"].push_back({{"name", "room"}, {"mesh", 0}});
     if (options.boxes) addBoxes(gltf, roots, options);
+    if (options.shutter) addShutter(gltf, roots, options);
   }
   if (options.lamp_candela > 0) {
     gltf["extensionsUsed"] = {"KHR_lights_punctual"};

@@ -11,6 +11,8 @@ struct RoomOptions {
   bool surfaces = true;
   bool open = false;           // without its ceiling
   bool boxes = false;          // two cubes of 0.4 m and 300 triangles each on the floor, without light-map coordinates
+  bool shutter = false;        // a double-sided sheet across the room at x = 0.5, a node of its own
+  bool shutter_marked = true;  // as a portal, by its extras
   double box_x = -0.5;         // where the first one stands
   double box_albedo = 0.5;     // of the first one
   double box_emission = 0;     // radiance of the second one
