@@ -378,5 +378,29 @@ TEST(Tracer, CountsRays) {
   EXPECT_EQ(tracer.counts().occlusion, 30u);
 }
 
+TEST(Portals, AreMetWhereTheirLeavesAreLeft) {
+  test::SceneBuilder builder;
+  const uint32_t wall = builder.material(test::diffuse(0.5f));
+  builder.quad({0, 0, 0}, {4, 0, 0}, {0, 2, 0}, wall).quad({0, 0, -1}, {4, 0, 0}, {0, 2, 0}, wall);
+  scene::Scene scene = builder.take();
+  scene.portals.push_back({.name = "door", .first_triangle = 0, .triangle_count = 2, .axis = {0.25f, 0, 0}, .strips = 8});
+  for (const float open : {0.0f, 0.3f, 1.0f}) {
+    const Tracer tracer(scene, 1, {open});
+    for (const float at : {0.01f, 0.29f, 0.31f, 0.99f}) {
+      const Ray ray{.origin = {4 * at, 1, 1}, .direction = {0, 0, -1}};
+      const bool gone = at < open;
+      Hit hit;
+      tracer.closest({&ray, 1}, {&hit, 1});
+      EXPECT_EQ(hit.triangle / 2, gone ? 1u : 0u) << open << " " << at;
+      Ray segment = ray;
+      segment.t_max = 1.5f;
+      float transmittance = -1;
+      tracer.transmittance({&segment, 1}, {&transmittance, 1});
+      EXPECT_EQ(transmittance, gone ? 1.0f : 0.0f) << open << " " << at;
+    }
+  }
+  EXPECT_THROW(Tracer(scene, 1, {0.5f, 0.5f}), std::logic_error);
+}
+
 }  // namespace
 }  // namespace lightwell::trace

@@ -114,6 +114,48 @@ TEST(Portals, NothingLeadsAcrossAShutDoor) {
   EXPECT_GT(lit, 0);
 }
 
+/// Wherever texels lie to the leaf: those that reach over from one side to the other receive the lamp's light on one.
+TEST(Portals, NoTexelCarriesLightAcrossAShutDoor) {
+  for (const int size : {40, 52, 60, 72})
+    for (const float thickness : {0.0f, 0.02f}) {
+      const Baked b(test::roomsInARow({.strips = 2, .thickness = thickness}), 64, size);
+      const auto irradiance = b.indirect(kLamp, {0.0f});
+      for (size_t slot = 0; slot < irradiance.size(); ++slot)
+        if (test::roomOf(b.p.atlas.slots[slot].position) == 1) {
+          ASSERT_EQ(irradiance[slot], Rgb(0.0f)) << size << ", leaf " << thickness;
+        }
+    }
+}
+
+/// Two rooms that see the same node, each another part of it.
+TEST(Portals, NodesKeepToWhatIsConnectedWhenDoorsAreShut) {
+  Patches patches;
+  patches.area.assign(16, 1.0f);
+  const PatchTree tree = makePatchTree(patches);
+  FormFactors factors;
+  const uint32_t through = factors.sets.number(std::vector<GateEntry>{openGate(0)});
+  factors.own_gate.assign(16, kNoEntry);
+  for (uint32_t row = 0; row < 16; ++row) {
+    // Patches 0 to 3 and 8 to 11 are one room, the others the other; node 16 has four of each.
+    for (uint32_t other = 0; other < 16; ++other)
+      if (row / 8 != other / 8 && row / 4 % 2 == other / 4 % 2) {
+        factors.patch.push_back(other);
+        factors.set.push_back(0);
+        factors.value.push_back(0.2f);
+      }
+    factors.patch.push_back(15 - row);
+    factors.set.push_back(through);
+    factors.value.push_back(0.1f);
+    factors.first.push_back(factors.patch.size());
+  }
+  ASSERT_EQ(tree.nodeCount(), 18u);
+  EXPECT_EQ(nodesThatSeeTheSame(factors, tree)[16], 0);
+  for (uint32_t& set : factors.set) set = 0;
+  EXPECT_EQ(nodesThatSeeTheSame(factors, tree)[16], 1) << "without a door there is one room";
+  factors.own_gate[2] = closedGate(1);
+  EXPECT_EQ(nodesThatSeeTheSame(factors, tree)[16], 0) << "a leaf's patch is there only while it is shut";
+}
+
 TEST(Portals, AnOpenDoorIsNoDoor) {
   const Baked b(test::roomsInARow(), 512, 96), without(test::roomsInARow({.leaves = false}), 512, 96);
   const auto open = b.indirect(kLamp, {1.0f}), none = without.indirect(kLamp, {});
