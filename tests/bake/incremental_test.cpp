@@ -112,6 +112,17 @@ TEST_F(Incremental, FormFactorsDoNotKnowOfColours) {
   EXPECT_THAT(again().phases, UnorderedElementsAre("form factors", "links", "container")) << "patches, hits and training lights stay";
 }
 
+TEST_F(Incremental, APortalChangesRadiosityAlone) {
+  room_.shutter = true;
+  room_.shutter_marked = false;
+  settings_.techniques = {plan::Technique::prm, plan::Technique::radiosity};
+  bake(room_, settings_, store_);
+  settings_.portals = {"shutter"};
+  EXPECT_THAT(again().phases, UnorderedElementsAre("hits", "patch light", "form factors", "links", "container")) << "the maps have doors as they are in the file";
+  room_.shutter_marked = true;  // with other strips
+  EXPECT_THAT(again().phases, UnorderedElementsAre("hits", "patch light", "form factors", "links", "container"));
+}
+
 TEST_F(Incremental, FinerBasesAreFittedToTheSameTransport) {
   settings_.refinement = -1;
   const Result result = again();
