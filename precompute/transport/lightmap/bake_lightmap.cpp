@@ -100,14 +100,8 @@ Bytes LightmapBaker::firstLight(uint32_t first, uint32_t end, const CancelFlag& 
 }
 
 Bytes LightmapBaker::directLight(uint32_t first, uint32_t end, std::span<const ByteView> first_light, const CancelFlag& cancel) const {
-  const auto all_rgb = joined(first_light, sideCount());
-  double sum = 0, area = 0;
-  for (uint32_t slot = 0; slot < slotCount(); ++slot) {
-    sum += luminance(all_rgb[slot]) * double(impl_->atlas.slots[slot].area);
-    area += impl_->atlas.slots[slot].area;
-  }
   DirectLight light;
-  light.lamps_rgb = transport::directLight(impl_->lamps(cancel), impl_->sides, impl_->direct(), float(sum / std::max(area, 1e-30)), first, end);
+  light.lamps_rgb = transport::directLight(impl_->lamps(cancel), impl_->sides, impl_->direct(), joined(first_light, sideCount()), first, end);
   if (impl_->hasSoftLights()) light.soft = softLight(impl_->softLights(cancel), impl_->sides, impl_->direct(), first, end);
   ByteWriter writer;
   writer.array(light.lamps_rgb);

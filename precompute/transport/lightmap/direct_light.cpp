@@ -1,5 +1,6 @@
 #include "precompute/transport/lightmap/direct_light.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -8,6 +9,8 @@ namespace {
 
 constexpr uint32_t kGroups = 4;          // independently scrambled: their scatter tells the error
 constexpr uint32_t kBatchPaths = 4096;
+constexpr float kMostContrast = 0.25f;       // between a texel and its neighbours, for few samples to be believed
+constexpr uint32_t kSamplesAtContrast = 256;
 
 /// The samples of one side so far.
 struct Sums {
@@ -53,46 +56,84 @@ void sample(const PathContext& context, const Sides& sides, uint64_t seed, uint3
   flush();
 }
 
-}  // namespace
-
-std::vector<Rgb> firstDirectLight(const PathContext& context, const Sides& sides, const DirectOptions& options, uint32_t first, uint32_t end) {
-  DirectOptions once = options;
-  once.most_samples = options.samples;
-  return directLight(context, sides, once, 0, first, end);
+/// Luminance over the fronts, by area.
+float meanIrradiance(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_rgb) {
+  double sum = 0, area = 0;
+  for (size_t slot = 0; slot < atlas.slots.size(); ++slot) {
+    sum += luminance(irradiance_rgb[slot]) * double(atlas.slots[slot].area);
+    area += atlas.slots[slot].area;
+  }
+  return float(sum / std::max(area, 1e-30));
 }
 
-std::vector<Rgb> directLight(const PathContext& context, const Sides& sides, const DirectOptions& options, float mean_irradiance, uint32_t first, uint32_t end) {
-  std::vector<Sums> all(end - first);
-  std::vector<Sums*> open;
-  for (uint32_t side = first; side < end; ++side) {
-    all[side - first].side = side;
-    open.push_back(&all[side - first]);
-  }
-  for (uint32_t count = options.samples / kGroups; !open.empty(); count *= 4) {
-    sample(context, sides, options.seed, count, open);
-    if (4 * count * kGroups > options.most_samples) break;
-    std::erase_if(open, [&](const Sums* sums) {
-      return sides.isBack(sums->side) || sums->standardError() <= options.error * (luminance(Rgb(sums->mean())) + 0.1f * mean_irradiance);
-    });
-  }
+/// The greatest difference between a slot and those beside it in its chart, over the greater of the two and `dark`.
+float contrast(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_rgb, uint32_t slot, float dark) {
+  const int x = int(atlas.slots[slot].texel) % atlas.width, y = int(atlas.slots[slot].texel) / atlas.width;
+  const float own = luminance(irradiance_rgb[slot]);
+  float most = 0;
+  for (int ty = std::max(0, y - 1); ty <= std::min(atlas.height - 1, y + 1); ++ty)
+    for (int tx = std::max(0, x - 1); tx <= std::min(atlas.width - 1, x + 1); ++tx) {
+      const uint32_t other = atlas.texel_slot[size_t(ty) * size_t(atlas.width) + size_t(tx)];
+      if (other == kNone || atlas.slots[other].chart != atlas.slots[slot].chart) continue;
+      const float there = luminance(irradiance_rgb[other]);
+      most = std::max(most, std::abs(there - own) / std::max({there, own, dark, 1e-30f}));
+    }
+  return most;
+}
+
+std::vector<Rgb> means(std::span<const Sums> all) {
   std::vector<Rgb> irradiance_rgb;
   for (const Sums& sums : all) irradiance_rgb.push_back(Rgb(sums.mean()));
   return irradiance_rgb;
 }
 
-GatheredPair softLight(const PathContext& context, const Sides& sides, const DirectOptions& options, uint32_t first, uint32_t end) {
-  std::vector<Sums> all(end - first);
+/// Sums of the sides [first, end), and pointers to all of them.
+struct SideSums {
+  std::vector<Sums> all;
   std::vector<Sums*> list;
-  for (uint32_t side = first; side < end; ++side) {
-    all[side - first].side = side;
-    list.push_back(&all[side - first]);
+  SideSums(uint32_t first, uint32_t end) : all(end - first) {
+    for (uint32_t side = first; side < end; ++side) {
+      all[side - first].side = side;
+      list.push_back(&all[side - first]);
+    }
   }
-  const uint32_t count = std::max(1u, options.soft_samples / kGroups);
-  sample(context, sides, options.seed, count, list);
+};
+
+}  // namespace
+
+std::vector<Rgb> firstDirectLight(const PathContext& context, const Sides& sides, const DirectOptions& options, uint32_t first, uint32_t end) {
+  SideSums sums(first, end);
+  sample(context, sides, options.seed, options.samples / kGroups, sums.list);
+  return means(sums.all);
+}
+
+std::vector<Rgb> directLight(const PathContext& context, const Sides& sides, const DirectOptions& options, std::span<const Rgb> first_light_rgb, uint32_t first,
+                             uint32_t end) {
+  const float dark = 0.1f * meanIrradiance(context.atlas, first_light_rgb);
+  SideSums sums(first, end);
+  std::vector<Sums*> open = sums.list;
+  for (uint32_t count = options.samples / kGroups; !open.empty(); count *= 4) {
+    sample(context, sides, options.seed, count, open);
+    if (4 * count * kGroups > options.most_samples) break;
+    std::erase_if(open, [&](const Sums* s) {
+      if (sides.isBack(s->side)) return true;
+      if (count * kGroups < kSamplesAtContrast && contrast(context.atlas, first_light_rgb, s->side, dark) > kMostContrast) return false;
+      return s->standardError() <= options.error * (luminance(Rgb(s->mean())) + dark);
+    });
+  }
+  return means(sums.all);
+}
+
+GatheredPair softLight(const PathContext& context, const Sides& sides, const DirectOptions& options, uint32_t first, uint32_t end) {
+  SideSums sums(first, end);
+  const uint32_t count = std::max(1u, options.soft_samples / kGroups), back_count = std::max(1u, count / 8);
+  const auto backs = std::partition(sums.list.begin(), sums.list.end(), [&](const Sums* s) { return !sides.isBack(s->side); });
+  sample(context, sides, options.seed, count, std::span(sums.list.begin(), backs));
+  sample(context, sides, options.seed, back_count, std::span(backs, sums.list.end()));
   GatheredPair pair;
-  for (const Sums& sums : all) {
-    pair.a_rgb.push_back(Rgb((sums.sum[0] + sums.sum[1]) / double(2 * count)));
-    pair.b_rgb.push_back(Rgb((sums.sum[2] + sums.sum[3]) / double(2 * count)));
+  for (const Sums& s : sums.all) {
+    pair.a_rgb.push_back(Rgb((s.sum[0] + s.sum[1]) / double(2 * s.count)));
+    pair.b_rgb.push_back(Rgb((s.sum[2] + s.sum[3]) / double(2 * s.count)));
   }
   return pair;
 }

@@ -12,6 +12,8 @@ namespace {
 constexpr std::array<int, 5> kRadii = {0, 1, 2, 4, 8};  // texels
 constexpr int kRestRadius = 6;                          // texels over which what fits leave over is averaged
 constexpr int kErrorRadius = 3;                         // texels over which errors are averaged
+constexpr int kNoiseRadius = 4;                         // texels over which noise is measured
+constexpr float kMostDeviation = 3;                     // of a shared value from a slot's own, in standard errors
 constexpr float kLeastCosine = 0.9f;                    // between normals of slots that share
 constexpr float kLeastExposed = 0.25f;                  // hidden slots neither give nor take
 
@@ -78,6 +80,20 @@ class Sharing {
       }
   }
 
+  /// `shared_rgb`, as far as the slot's own rays allow: what they contradict by more than noise is an edge that fits have run over.
+  Rgb believed(uint32_t slot, const Rgb& shared_rgb) const {
+    const Rgb own_rgb = (half_rgb_[0][slot] + half_rgb_[1][slot]) * 0.5f;
+    double variance = 0, square = 0;  // noise in proportion to the light
+    forNeighbours(slot, kNoiseRadius, [&](uint32_t other, double weight) {
+      const double a = luminance(half_rgb_[0][other]), b = luminance(half_rgb_[1][other]);
+      variance += weight * (a - b) * (a - b) / 4;
+      square += weight * (a + b) * (a + b) / 4;
+    });
+    const double difference = std::abs(double(luminance(shared_rgb)) - luminance(own_rgb));
+    const double relative = square > 0 ? std::sqrt(variance / square) : 0.0;
+    const double most = kMostDeviation * relative * (luminance(shared_rgb) + luminance(own_rgb)) / 2;
+    return difference <= most ? shared_rgb : own_rgb + (shared_rgb - own_rgb) * float(most / difference);
+  }
   float scale(uint32_t slot) const { return exposed_[slot] >= kLeastExposed ? exposed_[slot] : 1.0f; }
 
  private:
@@ -128,6 +144,7 @@ std::vector<Rgb> shareIrradiance(const atlas::Atlas& atlas, std::span<const floa
           weights += weight;
         });
         for (int c = 0; c < 3; ++c) value_rgb[c] = std::max(0.0f, value_rgb[c] + float(left[c] / weights));
+        value_rgb = sharing.believed(uint32_t(slot), value_rgb);
       }
       irradiance_rgb[slot] = value_rgb * sharing.scale(uint32_t(slot));
     }
