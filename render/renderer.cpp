@@ -20,8 +20,6 @@ constexpr float kNeutralAlbedo = 0.5f;
 
 struct ReleaseGl {
   void operator()(lw_gl* gl) const { lw_gl_destroy(gl); }
-  void operator()(lw_gl_prm* prm) const { lw_gl_prm_destroy(prm); }
-  void operator()(lw_prm* prm) const { lw_prm_release(prm); }
 };
 
 std::string lightProgram(bool cube) {
@@ -34,8 +32,8 @@ Float3 vector(const float v[3]) { return {v[0], v[1], v[2]}; }
 }  // namespace
 
 struct Renderer::Impl {
-  Impl(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user, const EnvironmentSettings& settings)
-      : mesh(container),
+  Impl(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user, const RendererOptions& options)
+      : mesh(container, leavesOf(container, options.portals)),
         shadows(mesh),
         base_program(kSceneVertexGlsl, std::string(kAlphaGlsl) + lw_glsl_source(LW_GLSL_ATLAS) + kBaseFragmentGlsl),
         cube_light_program(kSceneVertexGlsl, lightProgram(true)),
@@ -47,8 +45,9 @@ struct Renderer::Impl {
     no_irradiance = makeTexture2D(GL_RGBA16F, 1, 1, GL_RGBA, GL_FLOAT, nothing, GL_NEAREST);
     lights.resize(mesh.info().light_count);
     for (uint32_t i = 0; i < lights.size(); ++i) check(lw_get_light(container, i, &lights[i]), "the container's lights");
-    const bool has_prm = lw_has_section(container, "prm"), has_environment = lw_has_section(container, "environment");
-    if (!has_prm && !has_environment) return;
+    const bool has_environment = lw_has_section(container, "environment");
+    const auto has = [&](const char* section) { return lw_has_section(container, section) != 0; };
+    if (!has_environment && !has("prm") && !has("radiosity") && !has("lightmap")) return;
     lw_gl_config config = LW_GL_CONFIG_INIT;
     config.loader = loader;
     config.loader_user = loader_user;
@@ -57,14 +56,9 @@ struct Renderer::Impl {
     lw_gl* made_gl = nullptr;
     checkGl(lw_gl_create(&config, &made_gl), "OpenGL evaluation");
     gl.reset(made_gl);
-    if (has_environment) makeEnvironment(container, settings);
-    if (!has_prm) return;
-    lw_prm* loaded = nullptr;
-    check(lw_prm_load(container, &loaded), "the container's transport");
-    const std::unique_ptr<lw_prm, ReleaseGl> prm(loaded);
-    lw_gl_prm* made_prm = nullptr;
-    checkGl(lw_gl_prm_create(gl.get(), prm.get(), nullptr, &made_prm), "OpenGL evaluation");
-    transport.reset(made_prm);
+    if (has_environment) makeEnvironment(container, options.environment);
+    // Where the sky itself is there to be drawn, it lights the surfaces too, and its pane must not.
+    transport = makeIndirectLight(options.technique, container, gl.get(), options.portals, has_environment, last_message);
   }
 
   void makeEnvironment(const lw_container* container, const EnvironmentSettings& settings) {
@@ -96,21 +90,9 @@ struct Renderer::Impl {
   void updateLight(LightPart part) {
     if (lights_changed) timed(times.shadows_ms, [&] { shadows.update(lights); });
     if (environment) timed(times.environment_ms, [&] { environment->update(); });
-    if (transport && (lights_changed || atlas_part != part)) timed(times.transport_ms, [&] { updateAtlas(part); });
+    if (transport && (lights_changed || atlas_part != part)) timed(times.transport_ms, [&] { transport->update(part, shadows.maps()); });
     lights_changed = false;
     atlas_part = part;
-  }
-
-  void updateAtlas(LightPart part) {
-    std::vector<lw_gl_light> entry_lights;
-    if (part != LightPart::direct)
-      for (const ShadowMap& map : shadows.maps()) entry_lights.push_back(map.light);
-    checkGl(lw_gl_update_entries(transport.get(), entry_lights.data(), uint32_t(entry_lights.size())), "light at the entry points");
-    lw_prm_options options = LW_PRM_OPTIONS_INIT;
-    // Where the sky itself is there to be drawn, it lights the surfaces too, and its pane must not.
-    const uint32_t direct = LW_EMITTERS_DIRECT | (environment ? 0u : uint32_t(LW_SKY_DIRECT)), indirect = LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT;
-    options.emitters = part == LightPart::direct ? direct : part == LightPart::indirect ? indirect : direct | indirect;
-    checkGl(lw_gl_evaluate(transport.get(), &options), "indirect light");
   }
 
   Matrix4 viewProjection(const View& view, Float3& eye) const {
@@ -153,7 +135,7 @@ struct Renderer::Impl {
     for (const SceneMesh::Kind kind : {SceneMesh::Kind::solid, SceneMesh::Kind::blended}) {
       drawBase(kind, view, view_projection, exposure);
       if (shows_sky) drawEnvironment(kind, view, view_projection, exposure);
-      if (view.part != LightPart::indirect)
+      if (view.part != LightPart::indirect && !(transport && transport->hasLamps()))
         for (const ShadowMap& map : shadows.maps()) drawLight(kind, map, view, view_projection, exposure);
     }
     if (view.show_lamps) drawLamps(view, view_projection);
@@ -166,7 +148,7 @@ struct Renderer::Impl {
     base_program.set("emission_atlas", kEmissionUnit);
     base_program.set("emission_scale", view.part == LightPart::indirect ? 0.0f : 1.0f);
     bindTexture(kAlbedoUnit, GL_TEXTURE_2D, mesh.albedoAtlas());
-    bindTexture(kIrradianceUnit, GL_TEXTURE_2D, transport ? lw_gl_prm_atlas_texture(transport.get()) : no_irradiance);
+    bindTexture(kIrradianceUnit, GL_TEXTURE_2D, transport ? transport->atlas() : no_irradiance);
     bindTexture(kEmissionUnit, GL_TEXTURE_2D, mesh.emissionAtlas());
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
@@ -309,7 +291,7 @@ struct Renderer::Impl {
   VertexArray no_attributes;
   Texture no_irradiance;
   std::unique_ptr<lw_gl, ReleaseGl> gl;
-  std::unique_ptr<lw_gl_prm, ReleaseGl> transport;
+  std::unique_ptr<IndirectLight> transport;
   std::optional<EnvironmentLight> environment;
   RenderTarget target, meter_target;
   std::vector<lw_light> lights;
@@ -321,8 +303,8 @@ struct Renderer::Impl {
 };
 
 Renderer::Renderer(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user,
-                   const EnvironmentSettings& environment)
-    : impl_(std::make_unique<Impl>(container, loader, loader_user, environment)) {}
+                   const RendererOptions& options)
+    : impl_(std::make_unique<Impl>(container, loader, loader_user, options)) {}
 Renderer::~Renderer() = default;
 
 void Renderer::setLights(std::span<const lw_light> lights) {

@@ -14,6 +14,7 @@
 
 #include "lightwell/lightwell_gl.h"
 #include "render/environment_light.h"
+#include "render/indirect_light.h"
 #include "render/png.h"
 #include "render/view.h"
 
@@ -27,12 +28,17 @@ struct FrameTimes {
   double shading_ms = 0;    // the picture
 };
 
+struct RendererOptions {
+  EnvironmentSettings environment;
+  Technique technique = Technique::automatic;  // of the indirect light
+  std::vector<PortalState> portals;            // doors that stand open; those not named are shut
+};
+
 class Renderer {
  public:
-  /// Decodes and uploads; `container` is not used afterwards. `loader` as in lw_gl_config. A container without a transport ("prm") shows
+  /// Decodes and uploads; `container` is not used afterwards. `loader` as in lw_gl_config. A container without precomputed light shows
   /// direct light only; one with an environment shows its sky and is lit by it. Throws RenderError.
-  Renderer(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user,
-           const EnvironmentSettings& environment = {});
+  Renderer(const lw_container* container, lw_gl_proc (*loader)(void*, const char*), void* loader_user, const RendererOptions& options = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;

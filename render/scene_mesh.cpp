@@ -39,7 +39,7 @@ GLint wrapMode(uint32_t wrap) {
 
 }  // namespace
 
-SceneMesh::SceneMesh(const lw_container* container) {
+SceneMesh::SceneMesh(const lw_container* container, std::vector<Leaf> leaves) : leaves_(std::move(leaves)) {
   check(lw_get_scene_info(container, &info_), "the container's scene");
   const Float3 low{info_.bounds_min_m[0], info_.bounds_min_m[1], info_.bounds_min_m[2]};
   const Float3 high{info_.bounds_max_m[0], info_.bounds_max_m[1], info_.bounds_max_m[2]};
@@ -76,15 +76,20 @@ void SceneMesh::loadGeometry(const lw_container* container) {
   // Triangles of equal state in one run; blended ones last, otherwise in file order.
   std::vector<uint32_t> order(index.size());
   std::iota(order.begin(), order.end(), 0u);
+  const auto leafOf = [&](uint32_t t) {
+    uint32_t leaf = 0;
+    while (leaf < leaves_.size() && t - leaves_[leaf].first_triangle >= leaves_[leaf].triangle_count) ++leaf;
+    return leaf;
+  };
   const auto state = [&](uint32_t t) {
-    return std::tuple(flags[t] & LW_TRIANGLE_BLEND, flags[t] & LW_TRIANGLE_DOUBLE_SIDED, alpha[t]);
+    return std::tuple(flags[t] & LW_TRIANGLE_BLEND, flags[t] & LW_TRIANGLE_DOUBLE_SIDED, alpha[t], leafOf(t));
   };
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return state(a) < state(b); });
   std::vector<std::array<uint32_t, 3>> sorted;
   sorted.reserve(index.size());
   for (uint32_t t : order) {
     if (batches_.empty() || state(t) != state(order[batches_.back().first_triangle]))
-      batches_.push_back({flags[t], alpha[t], uint32_t(sorted.size()), 0});
+      batches_.push_back({flags[t], alpha[t], leafOf(t), uint32_t(sorted.size()), 0});
     ++batches_.back().triangle_count;
     sorted.push_back(index[t]);
   }
@@ -148,6 +153,9 @@ void SceneMesh::draw(Kind kind, const Program& program, int alpha_unit, bool cul
     program.set("alpha_factor", alpha.factor);
     program.set("alpha_cutoff", alpha.mode == LW_ALPHA_MASK ? alpha.cutoff : 0.0f);
     program.set("alpha_blend", alpha.mode == LW_ALPHA_BLEND ? 1.0f : 0.0f);
+    const Leaf leaf = batch.leaf < leaves_.size() ? leaves_[batch.leaf] : Leaf{};
+    program.set4("leaf", std::array{leaf.axis_per_m[0], leaf.axis_per_m[1], leaf.axis_per_m[2], leaf.offset}.data());
+    program.set("leaf_open", leaf.open);
     if (cull && !(batch.flags & LW_TRIANGLE_DOUBLE_SIDED)) glEnable(GL_CULL_FACE);
     else glDisable(GL_CULL_FACE);
     glDrawElements(GL_TRIANGLES, GLsizei(batch.triangle_count * 3), GL_UNSIGNED_INT,

@@ -7,10 +7,17 @@
 
 namespace lightwell::render {
 
+/// The leaf of a door, and how far it is open: what is left of it is where axis_per_m · position + offset ≥ open.
+struct Leaf {
+  uint32_t first_triangle = 0, triangle_count = 0;  // of the container's
+  float axis_per_m[3] = {}, offset = 0;
+  float open = 0;
+};
+
 class SceneMesh {
  public:
   /// Decodes geometry and atlas colours. A container without geometry gives an empty mesh. Throws RenderError.
-  explicit SceneMesh(const lw_container* container);
+  explicit SceneMesh(const lw_container* container, std::vector<Leaf> leaves = {});
 
   enum class Kind { solid, blended };
   /// Draws what is solid (opaque and cut out) or blended, with `program` in use. Sets its alpha uniforms (kAlphaGlsl) on texture unit
@@ -30,6 +37,7 @@ class SceneMesh {
   struct Batch {
     uint8_t flags;             // LW_TRIANGLE_…
     uint16_t alpha_material;   // index, or 0xffff
+    uint32_t leaf;             // index into leaves_, or their number
     uint32_t first_triangle, triangle_count;
   };
   struct AlphaMaterial {
@@ -40,6 +48,7 @@ class SceneMesh {
   void loadAtlas(const lw_container* container);
   void loadAlphaMaterials(const lw_container* container, const std::vector<uint16_t>& triangle_alpha);
 
+  std::vector<Leaf> leaves_;
   lw_scene_info info_{};
   Float3 center_m_{};
   float diagonal_m_ = 1;

@@ -31,7 +31,10 @@ centroid in vec2 v_lightmap_uv;
 in vec2 v_alpha_uv;
 uniform sampler2D alpha_texture;
 uniform float alpha_factor, alpha_cutoff, alpha_blend;
+uniform vec4 leaf;         // of a door: what is left of it is where leaf.xyz * position + leaf.w >= leaf_open
+uniform float leaf_open;
 float surfaceAlpha() {
+  if (dot(leaf.xyz, v_position) + leaf.w < leaf_open) discard;
   float alpha = alpha_factor * texture(alpha_texture, v_alpha_uv).r;
   if (alpha < alpha_cutoff) discard;
   return mix(1.0, alpha, alpha_blend);

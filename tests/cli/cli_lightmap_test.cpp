@@ -51,6 +51,24 @@ TEST_F(CliLightmapTest, HasTheLightsItWasBakedWithAndNoOthers) {
   EXPECT_THAT(run({"info", path("m.lwc")}).out, HasSubstr("without lightmap: nothing shines"));
 }
 
+TEST_F(CliLightmapTest, IsDrawnWithItsOwnLampsOnly) {
+  run(bakeTo("m.lwc"));
+  writeFile(path("camera.json"), R"({"eye": [0.5, 0.1, 0.4], "target": [0, 0, 0], "vertical_fov_deg": 60, "width": 48, "height": 32, "exposure": "auto"})");
+  writeFile(path("none.json"), R"({"lights": []})");
+  const std::vector<std::string> render{"render", path("m.lwc"), "--camera", path("camera.json"), "-o", path("m.png")};
+  run(render);
+  EXPECT_GT(readFile(path("m.png")).size(), 100u);
+  const auto fails = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), render.begin(), render.end());
+    const Finished finished = lightwell(more);
+    EXPECT_EQ(finished.exit_code, 2);
+    return finished.err;
+  };
+  EXPECT_THAT(fails({"--lights", path("none.json")}), HasSubstr("bake --lights"));
+  EXPECT_THAT(fails({"--technique", "prm"}), HasSubstr("no section prm"));
+  EXPECT_THAT(fails({"--portal", "door=1"}), HasSubstr("--technique radiosity"));
+}
+
 TEST_F(CliLightmapTest, TheBytesDoNotDependOnThreads) {
   for (const char* threads : {"1", "2", "5"}) run(bakeTo(std::string("m") + threads + ".lwc", {"--threads", threads}));
   EXPECT_EQ(readFile(path("m1.lwc")), readFile(path("m2.lwc")));

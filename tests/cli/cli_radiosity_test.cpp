@@ -121,6 +121,21 @@ TEST_F(CliPortalTest, OpenAsFarAsTheyAreTold) {
   }
 }
 
+TEST_F(CliPortalTest, AreDrawnAsFarAsTheyAreOpen) {
+  writeFile(path("s.gltf"), roomGltf({.albedo = 0.6, .lamp_candela = 1, .shutter = true}));
+  run(bake("s.gltf", "s.lwc", {"--techniques", "radiosity"}));
+  writeFile(path("camera.json"), R"({"eye": [0.9, 0.1, 0.8], "target": [-0.6, 0, -0.5], "vertical_fov_deg": 80, "width": 64, "height": 48, "exposure": 2})");
+  const auto picture = [&](const std::string& open) {
+    run({"render", path("s.lwc"), "--camera", path("camera.json"), "--technique", "radiosity", "--portal", "shut*=" + open, "-o", path("p.png")});
+    return readFile(path("p.png"));
+  };
+  const std::string shut = picture("0"), half = picture("0.5");
+  EXPECT_NE(shut, half);
+  EXPECT_EQ(shut, picture("0"));
+  EXPECT_NE(half, picture("1"));
+  EXPECT_EQ(lightwell({"render", path("s.lwc"), "--camera", path("camera.json"), "--portal", "gate=1", "-o", path("p.png")}).exit_code, 2);
+}
+
 TEST_F(CliPortalTest, AreNamedByOptions) {
   writeFile(path("plain.gltf"), roomGltf({.albedo = 0.6, .lamp_candela = 1, .shutter = true, .shutter_marked = false}));
   run(bake("plain.gltf", "plain.lwc"));
