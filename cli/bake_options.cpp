@@ -13,7 +13,7 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
   command.add_option("scene", options.request.source.scene, "glTF 2.0 scene, .glb or .gltf; may be left out when only a sky is baked")
       ->type_name("SCENE");
   command
-      .add_option("--techniques", options.techniques, "What to bake: auto (what the scene can use), or a comma-separated list; now: prm, radiosity, environment")
+      .add_option("--techniques", options.techniques, "What to bake: auto (what the scene can use), or a comma-separated list of prm, lightmap, vpl, radiosity, environment")
       ->type_name("LIST")
       ->capture_default_str();
   addSceneSettings(command, options.request.settings);
@@ -56,6 +56,13 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
                   "things are near each other and large elsewhere")
       ->type_name("D")
       ->check(CLI::Range(plan::kLeastRadiosityDensity, 1.0f));
+  command.add_option("--virtual-light", options.virtual_light, "With vpl: what virtual lights are; auto: by expected error, each of them")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(plan::virtualLightShapeNames()))
+      ->capture_default_str();
+  command.add_option("--virtual-lights", options.request.settings.virtual_lights, "With vpl: virtual lights, about; without it the quality decides")
+      ->type_name("N")
+      ->check(CLI::Range(1u, plan::kMostVirtualLights));
   command
       .add_option("--probe-spacing", options.probe_spacing,
                   "With radiosity: a lattice of probes for moving objects, METRES apart; auto: by the scene's size (up to 2,000 at production, 1,000, 500); 0: none")
@@ -104,15 +111,16 @@ void resolve(BakeOptions& options) {
   settings.portals.erase(std::unique(settings.portals.begin(), settings.portals.end()), settings.portals.end());
   settings.quality = *plan::qualityNamed(options.quality);
   settings.prm_layout = *plan::prmLayoutNamed(options.prm_layout);
+  settings.virtual_light = *plan::virtualLightShapeNamed(options.virtual_light);
   settings.prm_estimator = *plan::prmEstimatorNamed(options.prm_estimator);
   settings.probe_spacing_m = probeSpacing(options.probe_spacing);
   if (options.probes) {
     checkReadable(*options.probes);
     settings.probe_points_m = plan::readProbePoints(*options.probes);
   }
-  plan::checkTechniques(settings);
   plan::checkPrm(settings);
   plan::checkRadiosity(settings);
+  plan::checkVirtualLights(settings);
   plan::checkEnvironment(settings);
   const bake::SceneSource& source = options.request.source;
   bake::checkSource(source, settings);

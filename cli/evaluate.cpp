@@ -9,6 +9,7 @@
 #include "cli/portal_options.h"
 #include "cli/prm_evaluator.h"
 #include "cli/radiosity_evaluator.h"
+#include "cli/vpl_evaluator.h"
 #include "format/encode/atomic_file.h"
 #include "format/encode/reader.h"
 #include "precompute/bake/container_scene.h"
@@ -118,6 +119,14 @@ std::vector<Rgb> lightOfLightmap(const Options& options, Component component, co
   return valuesOfSlots(container.atlas, options.evaluator == "gl" ? evaluateLightmapOnGl(runtime, light) : evaluateLightmapOnCpu(runtime, light));
 }
 
+/// What the section "vpl" adds, one value per slot.
+std::vector<Rgb> lightOfVirtualLights(Session& session, const Options& options, Component component, const RuntimeContainer& runtime,
+                                      const bake::ContainerScene& container, const trace::Tracer& tracer) {
+  ProgressMeter meter(session.console, "virtual lights");
+  return evaluateVplOnCpu({.container = runtime, .scene = container, .tracer = tracer, .component = component, .samples = options.samples,
+                           .threads = options.threads, .cancel = &session.interrupt.flag(), .progress = [&](double fraction) { meter.update(fraction); }});
+}
+
 std::vector<Rgb> lightOfSky(Session& session, const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container,
                             const trace::Tracer& tracer) {
   ProgressMeter meter(session.console, "sky");
@@ -131,8 +140,9 @@ void run(Session& session, const Options& options) {
   checkWritable(options.output);
   if (options.probes_out) checkWritable(*options.probes_out);
   const bool by_cells = options.technique == "environment", by_patches = options.technique == "radiosity", baked = options.technique == "lightmap";
-  if (!by_cells && !by_patches && !baked && options.technique != "prm")
-    throw UsageError("--technique: this version cannot evaluate \"" + options.technique + "\" yet; it evaluates prm, lightmap, radiosity and environment");
+  const bool by_virtual_lights = options.technique == "vpl";
+  if (by_virtual_lights && options.evaluator == "gl") throw UsageError("--evaluator gl: this version evaluates virtual lights on the CPU only, not on OpenGL yet");
+  if (by_virtual_lights && options.lights) throw UsageError("--lights: virtual lights come from the lights that they were baked with; bake --lights bakes others");
   if (baked && options.lights) throw UsageError("--lights: a light map holds the lights that it was baked with; bake --lights bakes others");
   checkReadable(options.container);
   if (options.lights) checkReadable(*options.lights);
@@ -142,7 +152,7 @@ void run(Session& session, const Options& options) {
   checkHas("geometry", options, reader);
   if (options.probes_out && !by_patches) throw UsageError("--probes-out: only --technique radiosity lights probes");
   if (options.probes_out) checkHas("probes", options, reader);
-  if (component == Component::indirect && !by_patches && !baked) checkHas("prm", options, reader);
+  if (component == Component::indirect && !by_patches && !baked && !by_virtual_lights) checkHas("prm", options, reader);
   Diagnostics diagnostics;
   session.console.progress("open", "open …");
   bake::ContainerScene container = bake::loadContainerScene(reader, diagnostics);
@@ -168,6 +178,7 @@ void run(Session& session, const Options& options) {
   if (by_cells && component != Component::indirect) add(lightOfSky(session, options, runtime, container, tracer));
   const uint32_t sky = by_cells ? LW_SKY_INDIRECT : LW_SKY_INDIRECT | LW_SKY_DIRECT;
   if (baked) add(lightOfLightmap(options, component, runtime, container));
+  else if (by_virtual_lights) add(lightOfVirtualLights(session, options, component, runtime, container, tracer));
   else if (by_patches) add(lightOfRadiosity(session, options, component, runtime, container, portal_open, tracer));
   else if (reader.has("prm")) add(lightOfTransport(session, options, component, sky, runtime, container, tracer));
   const ImageRgba image = imageOfSlots(container.scene.mesh, container.atlas, size, irradiance_rgb);
@@ -183,7 +194,7 @@ void addEvaluate(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand("evaluate", "What the runtime makes of a container, as an atlas of irradiance");
   command->add_option("container", options->container, "Container to evaluate")->required()->type_name("OUT.lwc");
   addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered (half of it, or a sliver's)");
-  command->add_option("--technique", options->technique, "prm: transport of lamps, and what it holds of a sky; lightmap: what was baked for lights that do not move; radiosity: form factors, all bounces; environment: the same, but a sky lights straight "
+  command->add_option("--technique", options->technique, "prm: transport of lamps, and what it holds of a sky; lightmap: what was baked for lights that do not move; vpl: their virtual lights, each shadowed by rays (on the CPU); radiosity: form factors, all bounces; environment: the same, but a sky lights straight "
                    "through its cells, shadowed one by one")
       ->required()
       ->type_name("NAME")

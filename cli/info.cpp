@@ -99,6 +99,7 @@ json contentJson(const format::Reader& reader) {
                             {"texels", radiosity.texels()},
                             {"links", reader.has("radiosity", "link_node") ? reader.chunk("radiosity", "link_node").elements : 0},
                             {"raw_transfers", radiosity.raw_transfers()},
+                            {"dark_patches", radiosity.dark_patches()},
                             {"has_emission", radiosity.has_emission()},
                             {"has_backs", radiosity.has_backs()},
                             {"materials", names(radiosity.materials())},
@@ -107,6 +108,15 @@ json contentJson(const format::Reader& reader) {
   if (reader.has("lightmap", "header")) {
     const auto lightmap = reader.lightmap();
     content["lightmap"] = {{"texels", lightmap.texels()}, {"has_direct", lightmap.has_direct()}, {"has_indirect", lightmap.has_indirect()}};
+  }
+  if (reader.has("vpl", "header")) {
+    const auto vpl = reader.vpl();
+    constexpr const char* kTypes[] = {"points", "disks", "spheres", "polygons"};
+    json of_type = json::object();
+    for (const char* type : kTypes) of_type[type] = 0;
+    for (const uint8_t type : reader.read<uint8_t>("vpl", "type"))
+      if (type >= 1 && type <= 4) of_type[kTypes[type - 1]] = of_type[kTypes[type - 1]].get<int>() + 1;
+    content["vpl"] = {{"lights", vpl.lights()}, {"of_type", of_type}, {"vertices", vpl.vertices()}, {"sources", vpl.sources()}, {"clustered_from", vpl.points()}};
   }
   if (reader.has("probes", "header")) {
     const auto probes = reader.probes();

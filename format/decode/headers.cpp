@@ -113,6 +113,17 @@ bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& h
   return reader.ok();
 }
 
+bool parseVplHeader(const uint8_t* message, size_t bytes, VplHeader& header) {
+  header = {};
+  WireReader reader(message, bytes);
+  while (reader.next()) switch (reader.field()) {
+      case 1: reader.read(header.lights); break;
+      case 2: reader.read(header.vertices); break;
+      case 3: reader.read(header.sources); break;
+    }
+  return reader.ok();
+}
+
 bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header) {
   header = {};
   WireReader reader(message, bytes);

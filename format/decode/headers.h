@@ -63,6 +63,10 @@ struct LightmapHeader {
   bool has_direct = false, has_indirect = false;
 };
 
+struct VplHeader {
+  uint32_t lights = 0, vertices = 0, sources = 0;
+};
+
 struct ProbesHeader {
   uint32_t lattice_probes = 0, points = 0;
   uint64_t lattice_count[3] = {};      // all 0 without a lattice
@@ -76,6 +80,7 @@ bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header)
 bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header);
 bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHeader& header);
 bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& header);
+bool parseVplHeader(const uint8_t* message, size_t bytes, VplHeader& header);
 bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header);
 /// `lights` may be null; otherwise it receives the first `light_capacity` lights. SceneHeader::light_count counts all.
 bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity);

@@ -95,5 +95,6 @@ void verifyEnvironment(VerifyContext& context);
 void verifyRadiosity(VerifyContext& context);
 void verifyProbes(VerifyContext& context);
 void verifyLightmap(VerifyContext& context);
+void verifyVpl(VerifyContext& context);
 
 }  // namespace lightwell::format

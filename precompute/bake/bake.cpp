@@ -10,6 +10,7 @@
 #include "precompute/bake/radiosity_tasks.h"
 #include "precompute/bake/sections.h"
 #include "precompute/bake/sky_tasks.h"
+#include "precompute/bake/vpl_tasks.h"
 
 namespace lightwell::bake {
 namespace {
@@ -60,6 +61,7 @@ struct ContainerParts {
   InputRange probe_links;                          // empty without probes
   std::shared_ptr<const transport::LightmapBaker> lightmap;
   InputRange lightmap_direct, lightmap_gathered;   // empty without a light map
+  InputRange vpl;                                  // empty without virtual lights
   InputRange references;                           // of indirect light, for whatever gives it
   InputRange environment, environment_errors;      // at most one each
 };
@@ -99,6 +101,13 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   if (plan.lightmap)
     lightmap = parts.lightmap->assemble(viewsOf(parts.lightmap_direct.of(in)), viewsOf(parts.lightmap_gathered.of(in)), context.threads(), in.cancel);
   in.cancel.check();
+  VplResult vpl;
+  for (const Blob& result : parts.vpl.of(in)) vpl = readVplResult(*result);
+  if (plan.vpl && vpl.lights.empty()) {
+    v1::Omitted* out = meta.add_omitted();
+    out->set_type("vpl");
+    out->set_reason("no light of a lamp or emitter meets a surface that reflects it");
+  }
   for (const Blob& errors : parts.environment_errors.of(in))
     for (const EnvironmentError& e : readEnvironmentErrors(errors))
       addError(meta, "environment", e.relrmse, e.texrel, e.bias,
@@ -115,6 +124,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   if (prm) addPrmSection(writer, *prm, sky, context.scene().metres_per_unit);
   in.cancel.check();
   if (lightmap) addLightmapSection(writer, *lightmap, context.atlas());
+  if (!vpl.lights.empty()) addVplSection(writer, vpl, context.scene());
   if (radiosity) addRadiositySection(writer, *radiosity, context.scene());
   if (probes) addProbesSection(writer, *probes, context.scene().metres_per_unit);
   in.cancel.check();
@@ -179,6 +189,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     parts.lightmap_direct = take(lightmap.direct);
     parts.lightmap_gathered = take(lightmap.gathered);
   }
+  if (plan.vpl) parts.vpl = take({addVplTasks(result.graph, context, vplSettings(options.settings))});
   if (plan.environment) {
     const bool measure = options.settings.quality != plan::Quality::draft;
     const EnvironmentTasks tasks = addEnvironmentTasks(result.graph, context, options.settings, measure);

@@ -7,6 +7,7 @@
 #include "lightwell/v1/container.pb.h"
 #include "precompute/atlas/atlas.h"
 #include "precompute/bake/sky_tasks.h"
+#include "precompute/bake/vpl_tasks.h"
 #include "precompute/plan/settings.h"
 #include "precompute/scene/scene.h"
 #include "precompute/transport/environment/environment.h"
@@ -31,6 +32,8 @@ void addRadiositySection(format::Writer& writer, const transport::RadiosityResul
 void addProbesSection(format::Writer& writer, const transport::ProbeResult& probes, double metres_per_unit);
 /// Every number is rounded here to nine bits and a shared exponent.
 void addLightmapSection(format::Writer& writer, const transport::Lightmap& lightmap, const atlas::Atlas& atlas);
+/// `scene`: its lights and its unit of length. There is at least one virtual light.
+void addVplSection(format::Writer& writer, const VplResult& vpl, const scene::Scene& scene);
 void addMetaSection(format::Writer& writer, const v1::MetaHeader& header);
 
 }  // namespace lightwell::bake

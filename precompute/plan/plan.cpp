@@ -5,8 +5,6 @@
 namespace lightwell::plan {
 namespace {
 
-constexpr Technique kBakers[] = {Technique::prm, Technique::lightmap, Technique::radiosity, Technique::environment};
-
 /// Why a technique that can be baked has no use here; empty when it has one.
 std::string uselessness(Technique technique, const SceneFacts& facts) {
   if (technique == Technique::environment) {
@@ -17,6 +15,10 @@ std::string uselessness(Technique technique, const SceneFacts& facts) {
   if (!facts.has_surfaces) return "the scene has no surfaces";
   if (technique == Technique::radiosity) return "";  // what neither reflects nor emits may do so later
   if (technique == Technique::lightmap) return facts.has_lamps || facts.has_emitters || facts.has_sky_light ? "" : "nothing shines: no lamp, no emitter, no sky";
+  if (technique == Technique::vpl) {
+    if (!facts.has_lamps && !facts.has_emitters) return "nothing shines: no lamp, no emitter (a sky makes no virtual lights)";
+    return facts.has_reflection || facts.has_emitters ? "" : "no surface reflects or emits light";
+  }
   if (!facts.has_reflection && !facts.has_emitters && !facts.has_sky_light) return "no surface reflects or emits light";
   return "";
 }
@@ -24,6 +26,7 @@ std::string uselessness(Technique technique, const SceneFacts& facts) {
 bool& chosen(Plan& plan, Technique technique) {
   switch (technique) {
     case Technique::lightmap: return plan.lightmap;
+    case Technique::vpl: return plan.vpl;
     case Technique::radiosity: return plan.radiosity;
     case Technique::environment: return plan.environment;
     default: return plan.prm;
@@ -32,15 +35,8 @@ bool& chosen(Plan& plan, Technique technique) {
 
 bool wantsProbes(const Settings& settings) { return settings.probe_spacing_m != 0 || !settings.probe_points_m.empty(); }
 
-bool hasBaker(Technique technique) { return std::find(std::begin(kBakers), std::end(kBakers), technique) != std::end(kBakers); }
 
 }  // namespace
-
-void checkTechniques(const Settings& settings) {
-  for (const Technique technique : settings.techniques)
-    if (!hasBaker(technique))
-      throw UsageError("--techniques: this version cannot bake \"" + std::string(name(technique)) + "\" yet; it bakes prm, lightmap, radiosity and environment");
-}
 
 void checkPrm(const Settings& settings) {
   const bool panes = settings.prm_layout == PrmLayout::panes;
@@ -61,6 +57,12 @@ void checkRadiosity(const Settings& settings) {
     throw UsageError(std::string(settings.probe_spacing_m != 0 ? "--probe-spacing" : "--probes") + ": probes are lit by radiosity: --techniques radiosity");
 }
 
+void checkVirtualLights(const Settings& settings) {
+  const bool asked = settings.virtual_lights != 0 || settings.virtual_light != VirtualLightShape::automatic;
+  if (asked && std::find(settings.techniques.begin(), settings.techniques.end(), Technique::vpl) == settings.techniques.end())
+    throw UsageError(std::string(settings.virtual_lights != 0 ? "--virtual-lights" : "--virtual-light") + ": virtual lights are baked with --techniques vpl");
+}
+
 void checkEnvironment(const Settings& settings) {
   if (settings.environment_samples < 1 || settings.environment_samples > kMostEnvironmentSamples)
     throw UsageError("--environment-samples: an environment takes 1 to " + std::to_string(kMostEnvironmentSamples) + " samples");
@@ -70,9 +72,9 @@ void checkEnvironment(const Settings& settings) {
 }
 
 Plan makePlan(const SceneFacts& facts, const Settings& settings) {
-  checkTechniques(settings);
   checkPrm(settings);
   checkRadiosity(settings);
+  checkVirtualLights(settings);
   checkEnvironment(settings);
   const bool automatic = settings.techniques.empty();
   const auto wanted = [&](Technique technique) {
@@ -89,13 +91,11 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
     const std::string type(name(technique)), useless = uselessness(technique, facts);
     if (!automatic && !wanted(technique))
       plan.omitted.push_back({type, "not asked for"});
-    else if (!hasBaker(technique))
-      plan.omitted.push_back({type, "this version cannot bake it"});
     else if (!useless.empty())
       plan.omitted.push_back({type, useless});
     else if (technique == Technique::radiosity && automatic && !facts.has_portals)
       plan.omitted.push_back({type, "not asked for: section prm has the scene's light as long as albedo and emission stay"});
-    else if (technique == Technique::lightmap && automatic)
+    else if ((technique == Technique::lightmap || technique == Technique::vpl) && automatic)
       plan.omitted.push_back({type, "not asked for: section prm has the light of lamps that may move"});
     else
       chosen(plan, technique) = true;

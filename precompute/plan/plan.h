@@ -30,19 +30,20 @@ struct Plan {
   bool prm_emitter = false;       // the constant panes of the scene's own emitters
   bool prm_sky = false;           // the constant panes of the sky
   bool lightmap = false;
+  bool vpl = false;
   bool radiosity = false;
   bool probes = false;            // for moving objects, lit by the patches of radiosity
   bool environment = false;
   std::vector<Omitted> omitted;
 };
 
-/// Throws UsageError when a technique was named that this version cannot bake.
-void checkTechniques(const Settings& settings);
 /// Throws UsageError for choices of the section prm that exclude each other.
 void checkPrm(const Settings& settings);
 
 /// Throws UsageError for a density that no light map can be divided by, and for probes without radiosity.
 void checkRadiosity(const Settings& settings);
+/// Throws UsageError for virtual lights without --techniques vpl.
+void checkVirtualLights(const Settings& settings);
 /// Throws UsageError for numbers of samples and cells that no environment can have.
 void checkEnvironment(const Settings& settings);
 

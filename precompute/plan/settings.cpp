@@ -26,6 +26,12 @@ constexpr Names<scene::LightUnits, 3> kLightUnits{
 constexpr Names<PrmLayout, 2> kPrmLayouts{{{PrmLayout::local_bases, "local-bases"}, {PrmLayout::panes, "panes"}}};
 constexpr Names<PrmEstimator, 2> kPrmEstimators{{{PrmEstimator::gather, "gather"}, {PrmEstimator::walks, "walks"}}};
 
+constexpr Names<VirtualLightShape, 5> kVirtualLightShapes{{{VirtualLightShape::automatic, "auto"},
+                                                           {VirtualLightShape::point, "point"},
+                                                           {VirtualLightShape::disk, "disk"},
+                                                           {VirtualLightShape::sphere, "sphere"},
+                                                           {VirtualLightShape::polygon, "polygon"}}};
+
 template <class T, size_t n>
 std::string_view nameIn(const Names<T, n>& names, T value) {
   return std::find_if(names.begin(), names.end(), [&](const auto& pair) { return pair.first == value; })->second;
@@ -111,16 +117,19 @@ std::string_view name(Quality quality) { return nameIn(kQualities, quality); }
 std::string_view name(scene::LightUnits units) { return nameIn(kLightUnits, units); }
 std::string_view name(PrmLayout layout) { return nameIn(kPrmLayouts, layout); }
 std::string_view name(PrmEstimator estimator) { return nameIn(kPrmEstimators, estimator); }
+std::string_view name(VirtualLightShape shape) { return nameIn(kVirtualLightShapes, shape); }
 std::optional<Technique> techniqueNamed(std::string_view name) { return valueIn(kTechniques, name); }
 std::optional<Quality> qualityNamed(std::string_view name) { return valueIn(kQualities, name); }
 std::optional<scene::LightUnits> lightUnitsNamed(std::string_view name) { return valueIn(kLightUnits, name); }
 std::optional<PrmLayout> prmLayoutNamed(std::string_view name) { return valueIn(kPrmLayouts, name); }
 std::optional<PrmEstimator> prmEstimatorNamed(std::string_view name) { return valueIn(kPrmEstimators, name); }
+std::optional<VirtualLightShape> virtualLightShapeNamed(std::string_view name) { return valueIn(kVirtualLightShapes, name); }
 std::vector<std::string> techniqueNames() { return allNames(kTechniques); }
 std::vector<std::string> qualityNames() { return allNames(kQualities); }
 std::vector<std::string> lightUnitsNames() { return allNames(kLightUnits); }
 std::vector<std::string> prmLayoutNames() { return allNames(kPrmLayouts); }
 std::vector<std::string> prmEstimatorNames() { return allNames(kPrmEstimators); }
+std::vector<std::string> virtualLightShapeNames() { return allNames(kVirtualLightShapes); }
 
 std::vector<Technique> parseTechniques(std::string_view list) {
   std::vector<Technique> techniques;
@@ -158,6 +167,8 @@ std::string canonicalJson(const Settings& settings) {
               {"prm_entries", settings.prm_entries},
               {"prm_clusters", settings.prm_clusters},
               {"radiosity_density", settings.radiosity_density},
+              {"virtual_light", name(settings.virtual_light)},
+              {"virtual_lights", settings.virtual_lights},
               {"probe_spacing_m", spacing},
               {"probe_points_m", settings.probe_points_m},
               {"environment_samples", settings.environment_samples},
@@ -210,6 +221,10 @@ Settings settingsFromJson(std::string_view text) {
       settings.prm_clusters = requiredCount(key, value, kMostPrmClusters);
     } else if (key == "radiosity_density") {
       settings.radiosity_density = requiredNumber(key, value, 0, 1);
+    } else if (key == "virtual_light") {
+      settings.virtual_light = required(kVirtualLightShapes, key, value);
+    } else if (key == "virtual_lights") {
+      settings.virtual_lights = requiredCount(key, value, kMostVirtualLights);
     } else if (key == "probe_spacing_m") {
       settings.probe_spacing_m = requiredSpacing(key, value);
     } else if (key == "probe_points_m") {

@@ -18,8 +18,12 @@ enum class PrmLayout { local_bases, panes };
 /// How panes are estimated: by gathering at the texels, or by the paper's walks from the entry points.
 enum class PrmEstimator { gather, walks };
 
+/// What virtual lights are; automatic: by expected error, each of them.
+enum class VirtualLightShape { automatic, point, disk, sphere, polygon };
+
 inline constexpr int kMostLightmapSize = 8192;
 inline constexpr uint32_t kMostPrmEntries = 1u << 20, kMostPrmClusters = 1u << 16, kMostPrmPanes = 4096;
+inline constexpr uint32_t kMostVirtualLights = 1u << 17;
 inline constexpr float kLeastRadiosityDensity = 1.0f / 64;
 inline constexpr float kAutomaticProbeSpacing = -1, kMostProbeSpacing_m = 1e6f;
 inline constexpr size_t kMostProbePoints = 65536;
@@ -50,6 +54,8 @@ struct Settings {
   uint32_t prm_entries = 0;           // entry points over all clusters, about, up to kMostPrmEntries; 0: the quality's
   uint32_t prm_clusters = 0;          // clusters of entry points, about, up to kMostPrmClusters (panes: kMostPrmPanes); 0: the quality's
   float radiosity_density = 0;        // patches per light-map texel along a side, rounded to a power of two, kLeastRadiosityDensity to 1; 0: adaptive
+  VirtualLightShape virtual_light = VirtualLightShape::automatic;
+  uint32_t virtual_lights = 0;        // aimed at, up to kMostVirtualLights; 0: the quality's
   float probe_spacing_m = 0;          // of the lattice of probes for moving objects; kAutomaticProbeSpacing: by the scene's size; 0: no lattice
   std::vector<std::array<double, 3>> probe_points_m;  // more probes, in the glTF file's world; up to kMostProbePoints
   uint32_t environment_samples = 128; // cells of the environment, suns included, 1 to kMostEnvironmentSamples
@@ -63,17 +69,20 @@ std::string_view name(Quality quality);
 std::string_view name(scene::LightUnits units);
 std::string_view name(PrmLayout layout);
 std::string_view name(PrmEstimator estimator);
+std::string_view name(VirtualLightShape shape);
 std::optional<Technique> techniqueNamed(std::string_view name);
 std::optional<Quality> qualityNamed(std::string_view name);
 std::optional<scene::LightUnits> lightUnitsNamed(std::string_view name);
 std::optional<PrmLayout> prmLayoutNamed(std::string_view name);
 std::optional<PrmEstimator> prmEstimatorNamed(std::string_view name);
+std::optional<VirtualLightShape> virtualLightShapeNamed(std::string_view name);
 /// All names of an option, in order, for messages and help.
 std::vector<std::string> techniqueNames();
 std::vector<std::string> qualityNames();
 std::vector<std::string> lightUnitsNames();
 std::vector<std::string> prmLayoutNames();
 std::vector<std::string> prmEstimatorNames();
+std::vector<std::string> virtualLightShapeNames();
 
 /// "auto" or a comma-separated list, as --techniques takes it. Throws UsageError.
 std::vector<Technique> parseTechniques(std::string_view list);

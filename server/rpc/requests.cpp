@@ -53,8 +53,8 @@ void checkSpec(v1::JobSpec& spec) {
   checkText("the label", spec.label(), kMaxLabelBytes);
   try {
     const plan::Settings settings = plan::settingsFromJson(spec.settings_json().empty() ? "{}" : spec.settings_json());
-    plan::checkTechniques(settings);
     plan::checkPrm(settings);
+    plan::checkVirtualLights(settings);
     plan::checkEnvironment(settings);
     spec.set_settings_json(plan::canonicalJson(settings));
   } catch (const UsageError& error) {

@@ -84,10 +84,18 @@ TEST(Plan, NumbersThatNoEnvironmentCanHaveAreAUsageError) {
   EXPECT_THROW(makePlan(kRoom, settings), UsageError);
 }
 
-TEST(Plan, NamedTechniqueWithoutBakerIsAUsageError) {
+TEST(Plan, VirtualLightsAreBakedWhenAskedFor) {
+  SceneFacts lit = kRoom;
+  lit.has_lamps = true;
+  EXPECT_TRUE(omits(makePlan(lit, {}), "vpl"));
   Settings settings;
-  settings.techniques = {Technique::prm, Technique::vpl};
-  EXPECT_THROW(makePlan(kRoom, settings), UsageError);
+  settings.techniques = {Technique::vpl};
+  settings.virtual_lights = 100;
+  EXPECT_TRUE(makePlan(lit, settings).vpl);
+  lit.has_lamps = lit.has_emitters = false;
+  EXPECT_TRUE(omits(makePlan(lit, settings), "vpl")) << "nothing shines";
+  settings.techniques = {Technique::prm};
+  EXPECT_THROW(makePlan(lit, settings), UsageError) << "virtual lights without vpl";
 }
 
 TEST(Plan, ChoicesOfPrmThatExcludeEachOtherAreAUsageError) {
@@ -125,6 +133,8 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   settings.radiosity_density = 0.5f;
   settings.probe_spacing_m = kAutomaticProbeSpacing;
   settings.probe_points_m = {{1.5, -2, 0.25}};
+  settings.virtual_light = VirtualLightShape::disk;
+  settings.virtual_lights = 77;
   settings.environment_samples = 32;
   settings.sky_face_cells = 128;
   settings.environment = {.rotation_deg = -90, .intensity = 0.5f, .ground_radiance_rgb = {{1, 2, 0.25f}}};
@@ -133,7 +143,7 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   EXPECT_EQ(json,
             R"({"environment_ground":[1.0,2.0,0.25],"environment_intensity":0.5,"environment_rotation_deg":-90.0,"environment_samples":32,)"
             R"("light_units":"raw","lightmap_size":33,"portals":[],"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
-            R"("probe_points_m":[[1.5,-2.0,0.25]],"probe_spacing_m":"auto","quality":"draft","radiosity_density":0.5,"refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"]})");
+            R"("probe_points_m":[[1.5,-2.0,0.25]],"probe_spacing_m":"auto","quality":"draft","radiosity_density":0.5,"refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"],"virtual_light":"disk","virtual_lights":77})");
   EXPECT_EQ(settingsFromJson(json).environment, settings.environment);
   EXPECT_EQ(canonicalJson(settingsFromJson("{}")), canonicalJson(Settings{}));
 }

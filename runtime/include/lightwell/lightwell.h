@@ -518,6 +518,50 @@ typedef struct lw_lightmap_shading {
 /* shading: NULL for LW_LIGHTMAP_SHADING_INIT. atlas_rgba: [height][width][4], as lw_prm_evaluate gives it. */
 LW_API lw_result lw_lightmap_shade(const lw_lightmap *lightmap, const lw_lightmap_shading *shading, float *atlas_rgba);
 
+/* ---- Virtual lights --------------------------------------------------------------------------------------------------------------- */
+
+/* Light of lamps and emitters that do not move, reflected or straight from emitters, as a few hundred Lambertian lights: a light map is their sum over points of
+ * surfaces, each shadowed. Those of one source follow each other, so that one lamp can be left out or recoloured alone. Immutable, usable from any thread. */
+typedef struct lw_virtual_lights lw_virtual_lights;
+
+typedef struct lw_virtual_lights_info {
+  uint32_t lights;
+  uint32_t sources;        /* lamps of the scene, in its order, and all emitters together as the last */
+} lw_virtual_lights_info;
+
+enum { LW_VIRTUAL_POINT = 1, LW_VIRTUAL_DISK = 2, LW_VIRTUAL_SPHERE = 3, LW_VIRTUAL_POLYGON = 4 };
+
+typedef struct lw_virtual_light {
+  uint32_t type;           /* LW_VIRTUAL_… */
+  uint32_t source;
+  uint32_t bounce;         /* reflections between the source and this; 0: an emitter's own light, which is direct. 255 stands for more, too */
+  float position_m[3];     /* the middle of its area */
+  float normal[3];         /* unit; it shines to this side, a sphere mostly */
+  float flux_rgb[3];       /* lumen, in all directions together */
+  float radius_m;          /* of disks and spheres; else 0 */
+  float area_m2;           /* of disks, polygons, and a sphere's disk; 0 for points */
+  uint32_t vertex_count;   /* of polygons: 3 to 8; else 0 */
+  const float *vertices_m; /* [vertex_count][3], convex, counter-clockwise from the front; lives as long as the lw_virtual_lights */
+} lw_virtual_light;
+
+/* Decodes and checks the section "vpl". Memory: 62 bytes a light, 12 a vertex. Fails as lw_decode_array does.
+ *
+ * lights: receives a handle, to be released with lw_virtual_lights_release. */
+LW_API lw_result lw_virtual_lights_load(const lw_container *container, lw_virtual_lights **lights);
+LW_API void lw_virtual_lights_release(lw_virtual_lights *lights);
+LW_API lw_result lw_virtual_lights_get_info(const lw_virtual_lights *lights, lw_virtual_lights_info *info);
+LW_API lw_result lw_virtual_lights_get(const lw_virtual_lights *lights, uint32_t index, lw_virtual_light *light);
+
+/* Irradiance that a light gives to a point, unoccluded: for polygons exact (Lambert's formula over what is above the point's horizon), for disks and spheres the usual
+ * approximations. Finite and not negative for all finite arguments.
+ *
+ * position_m, normal: of the receiving point; the normal is a unit vector.
+ * epsilon_m: half the size of a texel, or 0: points nearer than that to the light's plane are moved off it along their own surface, against dark edges in corners;
+ *     points and disks are never nearer than that. */
+LW_API lw_result lw_virtual_light_irradiance(const lw_virtual_light *light, const float position_m[3], const float normal[3], float epsilon_m, float irradiance_rgb[3]);
+/* A point on the light, even over its area for even uv in [0, 1)^2: where shadow rays go. */
+LW_API lw_result lw_virtual_light_point(const lw_virtual_light *light, const float uv[2], float position_m[3]);
+
 /* ---- Probes ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Light for what moves: places in the air that know what they receive from the patches of radiosity, on a lattice and at points that the bake was asked for. It is light that patches
