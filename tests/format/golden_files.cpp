@@ -10,6 +10,7 @@
 #include "tests/format/lightmap_content.h"
 #include "tests/format/probes_content.h"
 #include "tests/format/radiosity_content.h"
+#include "tests/format/vpl_content.h"
 
 namespace lightwell::format {
 namespace {
@@ -90,7 +91,8 @@ std::vector<GoldenFile> validFiles() {
           {"valid/radiosity.lwc", toWriter(radiosityContent()).bytes()},
           {"valid/radiosity_portals.lwc", toWriter(portalsContent()).bytes()},
           {"valid/probes.lwc", toWriter(probesContent()).bytes()},
-          {"valid/lightmap.lwc", toWriter(lightmapContent()).bytes()}};
+          {"valid/lightmap.lwc", toWriter(lightmapContent()).bytes()},
+          {"valid/vpl.lwc", toWriter(vplContent()).bytes()}};
 }
 
 std::vector<GoldenFile> invalidFiles() {
@@ -199,6 +201,9 @@ std::vector<GoldenFile> invalidFiles() {
   LightmapContent texel = lightmapContent();
   texel.texel[1] = 0;
   add("bad_section.lightmap_order", toWriter(texel).bytes());
+  VplContent polygon = vplContent();
+  polygon.first_vertex[3] = 2;
+  add("bad_section.vpl_vertices", toWriter(polygon).bytes());
   Content missing = panesContent();
   missing.left_out = {"atlas/source"};
   add("bad_section.chunk_missing", toWriter(missing).bytes());
