@@ -34,6 +34,7 @@ void addRadiositySection(format::Writer& writer, const transport::RadiosityResul
   header.set_texels(uint32_t(texels));
   header.set_has_backs(!radiosity.texel_back_patch.empty());
   header.set_raw_transfers(radiosity.raw_transfers);
+  header.set_dark_patches(radiosity.dark_patches);
   for (const auto& material : scene.materials) header.add_materials()->set_name(material.name);
   addPortals(scene, header);
   std::vector<float> area, position, albedo;

@@ -262,6 +262,31 @@ TEST(Radiosity, AClosedRoomKeepsTheEnergyOfALamp) {
   EXPECT_NEAR(received / (lamp * 0.6 / 0.4), 1, 0.002);
 }
 
+TEST(Radiosity, SealedRoomsWithoutLightHaveNoLinks) {
+  // A large room with a lamp, and a small box outside of it: dark, with a lamp of its own, with walls that shine, or as dark as everything.
+  enum { dark, lamp, emitter, all_dark };
+  for (const int inside : {dark, lamp, emitter, all_dark}) {
+    test::SceneBuilder builder;
+    const uint32_t wall = builder.material(test::diffuse(0.5f)), small_wall = builder.material(test::diffuse(0.5f, inside == emitter ? 1.0f : 0.0f));
+    builder.room({-4, 0, -4}, {4, 4, 4}, wall).room({5, 0, 0}, {5.6f, 0.6f, 0.6f}, small_wall);
+    scene::Scene scene = builder.take();
+    if (inside != all_dark) scene.lights.push_back(test::pointLight({1, 2, 1}, 5.0f));
+    if (inside == lamp) scene.lights.push_back(test::pointLight({5.3f, 0.3f, 0.3f}, 1.0f));
+    const Prepared p(std::move(scene), 96);
+    const RadiosityResult result = bake(p, smallSettings());
+    uint32_t empty = 0, small = 0;
+    for (uint32_t i = 0; i < result.patches.count(); ++i) {
+      const bool is_small = result.patches.position[i].x > 4.5f, is_empty = result.links.first[i] == result.links.first[i + 1];
+      small += is_small;
+      empty += is_empty;
+      EXPECT_EQ(is_empty, is_small && inside == dark);
+    }
+    EXPECT_GT(small, 5u);
+    EXPECT_EQ(result.dark_patches, inside == dark ? small : 0u);
+    EXPECT_EQ(empty, result.dark_patches);
+  }
+}
+
 TEST(Radiosity, ABlackRoomAndALonePlaneHaveLinksAllTheSame) {
   // What is black may be painted: form factors are there although no training light tells what matters.
   const Prepared black(test::closedBox({1, 1, 1}, test::diffuse(0.0f)), 24);

@@ -3,6 +3,7 @@
 #include "precompute/core/random.h"
 #include "precompute/transport/exposure.h"
 #include "precompute/transport/radiosity/patch_bytes.h"
+#include "precompute/transport/radiosity/sealed_rooms.h"
 #include "precompute/transport/stage_bytes.h"
 
 namespace lightwell::transport {
@@ -228,6 +229,7 @@ RadiosityResult RadiosityBaker::assemble(std::span<const ByteView> links, int th
   if (values.sets.count() > kMostGateSets)
     throw UsageError("the portals of " + impl_->scene.file + " have " + std::to_string(values.sets.count()) + " combinations of strips through which light passes, more than " +
                      std::to_string(kMostGateSets) + ": give them fewer strips");
+  result.dark_patches = emptySealedRooms(impl_->scene, impl_->atlas, impl_->tracer, impl_->sides, impl_->patches, impl_->tree, impl_->settings.seed, values);
   balanceLinks(impl_->gated_tracer->zones(), impl_->patches, impl_->tree, values);
   result.links = quantiseLinks(values);
   const TexelWeights weights = makeTexelWeights(impl_->atlas, impl_->tracer, impl_->sides, impl_->patches, impl_->tree, threads, cancel);

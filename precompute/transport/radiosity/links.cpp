@@ -221,7 +221,6 @@ class RowMerger {
 
 /// Clears `same` of nodes whose patches cannot exchange light with all portals shut, not even by way of others, or depend on different gates.
 void keepPlacesApart(const FormFactors& factors, const PatchTree& tree, std::vector<char>& same) {
-  if (factors.set.empty()) return;
   std::vector<uint32_t> parent(factors.rows());
   std::iota(parent.begin(), parent.end(), 0u);
   const auto rootOf = [&](uint32_t patch) {
@@ -230,19 +229,23 @@ void keepPlacesApart(const FormFactors& factors, const PatchTree& tree, std::vec
   };
   for (uint32_t row = 0; row < factors.rows(); ++row)
     for (uint64_t i = factors.first[row]; i < factors.first[row + 1]; ++i) {
-      const GateClass gates = factors.sets.classOf(factors.set[i]);
+      const GateClass gates = factors.sets.classOf(factors.setOf(i));
       if (gates != GateClass::always && gates != GateClass::closed) continue;
       const uint32_t a = rootOf(row), b = rootOf(factors.patch[i]);
       parent[std::max(a, b)] = std::min(a, b);
     }
   using Place = std::pair<uint32_t, uint32_t>;  // of a patch: what it exchanges light with, and its gate
-  std::vector<Place> place(tree.nodeCount());
-  for (uint32_t patch = 0; patch < factors.rows(); ++patch) place[patch] = {rootOf(patch), factors.own_gate[patch]};
+  constexpr Place kAnywhere{kNone, kNone};      // of patches that exchange no light
+  std::vector<Place> place(tree.nodeCount(), kAnywhere);
+  for (uint32_t patch = 0; patch < factors.rows(); ++patch)
+    if (factors.first[patch] < factors.first[patch + 1]) place[patch] = {rootOf(patch), factors.own_gate.empty() ? kNone : factors.own_gate[patch]};
   for (uint32_t node = tree.level_first[1]; node < tree.nodeCount(); ++node) {
-    const uint32_t index = node - tree.level_first[1], begin = tree.first_child[index];
-    place[node] = place[begin];
-    for (uint32_t child = begin; child < tree.first_child[index + 1]; ++child)
-      if (place[child] != place[begin]) same[node] = 0;
+    const uint32_t index = node - tree.level_first[1];
+    for (uint32_t child = tree.first_child[index]; child < tree.first_child[index + 1]; ++child) {
+      if (place[child] == kAnywhere) continue;
+      if (place[node] == kAnywhere) place[node] = place[child];
+      if (place[child] != place[node]) same[node] = 0;
+    }
   }
 }
 

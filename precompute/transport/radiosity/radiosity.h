@@ -19,6 +19,7 @@ struct RadiosityResult {
   std::vector<float> texel_exposed;                 // share of the texel's surface in the open
   std::vector<uint32_t> texel_back_patch;           // of the backs of double-sided texels, else kNone; empty where there are none
   uint64_t raw_transfers = 0;                       // pairs of patches that exchange light, before compression
+  uint32_t dark_patches = 0;                        // whose links were left out: in sealed rooms without light
 };
 
 }  // namespace lightwell::transport
