@@ -63,16 +63,24 @@ TEST(LightPaths, SpotsAndSunsHaveTheirPower) {
   scene.lights.push_back(spot);
   const test::PreparedScene p(std::move(scene), 32);
   // Quadrature of scene::lightIrradiance over the sphere around the lamp.
-  double flux = 0;
+  double flux = 0, central_flux = 0;
+  const float central = std::cos(0.5f);
   constexpr int kSteps = 4000;
   for (int i = 0; i < kSteps; ++i) {
     const double cosine = -1 + 2 * (i + 0.5) / kSteps;
     const Vec3 direction(float(std::sqrt(1 - cosine * cosine)), float(-cosine), 0);
     Vec3 to_light;
     float distance = 0;
-    flux += double(scene::lightIrradiance(p.scene.lights[0], spot.position + direction, -direction, to_light, distance).x) * 4 * double(kPi) / kSteps;
+    const double part = double(scene::lightIrradiance(p.scene.lights[0], spot.position + direction, -direction, to_light, distance).x) * 4 * double(kPi) / kSteps;
+    flux += part;
+    if (float(cosine) > central) central_flux += part;
   }
-  EXPECT_NEAR(powerOfBounces(trace(p)).at(1).x / (0.5 * flux), 1, 2e-3);
+  const auto points = trace(p);
+  EXPECT_NEAR(powerOfBounces(points).at(1).x / (0.5 * flux), 1, 2e-3);
+  double central_power = 0;
+  for (const auto& v : points)
+    if (v.bounce == 1 && (spot.position - v.position).normalized().y > central) central_power += double(v.power_rgb.x);
+  EXPECT_NEAR(central_power / (0.5 * central_flux), 1, 0.01);
 
   // A sun on a roofless floor: what falls on 16 square units, at 60 degrees.
   test::SceneBuilder floor;
