@@ -54,7 +54,7 @@ TEST_F(CliFailureTest, WrongUsageIs2) {
   expectFailure({"bake", scene, "-o", out, "--threads", "-1"}, 2, "--threads");
   expectFailure({"bake", scene, "-o", out, "--quality", "best"}, 2, "--quality");
   expectFailure({"bake", scene, "-o", out, "--techniques", "prm,magic"}, 2, "magic");
-  expectFailure({"bake", scene, "-o", out, "--techniques", "vpl"}, 2, "vpl");
+  expectFailure({"bake", scene, "-o", out, "--virtual-lights", "10"}, 2, "--techniques vpl");
   expectFailure({"reference", scene, "-o", path("o.exr"), "--component", "all"}, 2, "--component");
   expectFailure({"reference", scene, "-o", path("o.exr"), "--samples", "0"}, 2, "--samples");
   EXPECT_THAT(listing(), ElementsAre("room.gltf"));
