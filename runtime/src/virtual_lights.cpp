@@ -159,7 +159,7 @@ lw_result lw_virtual_lights_get(const lw_virtual_lights* lights, uint32_t index,
 
 lw_result lw_virtual_light_irradiance(const lw_virtual_light* light, const float position_m[3], const float normal[3], float epsilon_m, float irradiance_rgb[3]) {
   if (!light || !position_m || !normal || !irradiance_rgb || !(epsilon_m >= 0) || light->type < LW_VIRTUAL_POINT || light->type > LW_VIRTUAL_POLYGON ||
-      light->vertex_count > kMostPolygonVertices || (light->type == LW_VIRTUAL_POLYGON && (!light->vertices_m || !(light->area_m2 > 0))))
+      light->vertex_count > kMostPolygonVertices || (light->type == LW_VIRTUAL_POLYGON && !light->vertices_m) || (light->type != LW_VIRTUAL_POINT && !(light->area_m2 > 0)))
     return LW_INVALID_ARGUMENT;
   const float share = unitIrradiance(*light, float3(position_m), float3(normal), epsilon_m);
   for (int k = 0; k < 3; ++k) irradiance_rgb[k] = std::min(light->flux_rgb[k] * share, 1e30f);
