@@ -28,15 +28,16 @@ class TexelLight {
     const Sampler sampler(kSeed, slot.texel);
     std::vector<atlas::SurfacePoint> at;
     for (uint32_t i = 0; i < points_; ++i)
-      at.push_back(atlas::sampleSlot(evaluation_.scene.scene.mesh, evaluation_.scene.atlas, slot, sampler.get1D(i, kPiece), sampler.get2D(i, kPlace)));
+      at.push_back(atlas::sampleSlot(evaluation_.scene.scene.mesh, evaluation_.scene.atlas, slot, sampler.get1D(i, kPiece),
+                                     sampler.get2D(i, kPlace)));
     Vec3d sum(0.0);
     for (uint32_t light = 0; light < lights_.size(); ++light) sum += lightOf(light, at, sampler);
     return Rgb(sum);
   }
 
  private:
-  /// Exact irradiance times visible share, the latter as a ratio of two sums over the same rays (Heitz et al., "Combining Analytic Direct Illumination and
-  /// Stochastic Shadows", I3D 2018).
+  /// Exact irradiance times visible share, the latter as a ratio of two sums over the same rays (Heitz et al., "Combining Analytic Direct
+  /// Illumination and Stochastic Shadows", I3D 2018).
   Vec3d lightOf(uint32_t index, const std::vector<atlas::SurfacePoint>& at, const Sampler& sampler) {
     const lw_virtual_light& light = lights_[index];
     const Vec3 light_normal(light.normal[0], light.normal[1], light.normal[2]);
@@ -97,7 +98,8 @@ std::vector<Rgb> evaluateVplOnCpu(const VplEvaluation& evaluation) {
     lw_virtual_light light;
     evaluation.container.check(lw_virtual_lights_get(raw, i, &light));
     const bool direct = light.bounce == 0;
-    if (evaluation.component == transport::Component::total || direct == (evaluation.component == transport::Component::direct)) lights.push_back(light);
+    if (evaluation.component == transport::Component::total || direct == (evaluation.component == transport::Component::direct))
+      lights.push_back(light);
   }
   const auto& slots = evaluation.scene.atlas.slots;
   std::vector<Rgb> irradiance_rgb(slots.size(), Rgb(0.0f));

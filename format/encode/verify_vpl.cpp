@@ -34,7 +34,8 @@ const char* wrongPolygon(const std::vector<float>& vertex, uint32_t first, uint3
   if (!(twice_area > 0)) return "has no area on its front";
   const uint32_t count = end - first;
   for (uint32_t i = 0; i < count; ++i) {
-    const Vector a = vectorAt(vertex, first + i), b = vectorAt(vertex, first + (i + 1) % count), c = vectorAt(vertex, first + (i + 2) % count);
+    const Vector a = vectorAt(vertex, first + i), b = vectorAt(vertex, first + (i + 1) % count),
+                 c = vectorAt(vertex, first + (i + 2) % count);
     if (std::abs(dot(a - origin, normal)) > kPlaneTolerance * size) return "does not lie in a plane";
     if (dot(cross(b - a, c - b), normal) < -kPlaneTolerance * size * size) return "is not convex";
   }
@@ -61,16 +62,23 @@ void verifyVpl(VerifyContext& context) {
   bool sound = type && source && bounce && position && normal && flux && radius && first_vertex && vertex;
   if (position) sound &= context.checkFinite(*position, kSection, "position");
   if (vertex) sound &= context.checkFinite(*vertex, kSection, "vertex");
-  if (type) sound &= context.checkEach(*type, IssueId::value_range, kSection, "type", "are unknown", [](uint8_t t) { return t < kPoint || t > kPolygon; });
-  if (source) sound &= context.checkEach(*source, IssueId::index_range, kSection, "source", "are no source", [&](uint32_t s) { return s >= header.sources(); });
-  if (flux) sound &= context.checkEach(*flux, IssueId::value_range, kSection, "flux", "are negative or not finite", [](float v) { return !(v >= 0) || !std::isfinite(v); });
+  if (type)
+    sound &= context.checkEach(*type, IssueId::value_range, kSection, "type", "are unknown",
+                               [](uint8_t t) { return t < kPoint || t > kPolygon; });
+  if (source)
+    sound &= context.checkEach(*source, IssueId::index_range, kSection, "source", "are no source",
+                               [&](uint32_t s) { return s >= header.sources(); });
+  if (flux)
+    sound &= context.checkEach(*flux, IssueId::value_range, kSection, "flux", "are negative or not finite",
+                               [](float v) { return !(v >= 0) || !std::isfinite(v); });
   if (first_vertex) sound &= context.checkOffsets(*first_vertex, vertices, false, kSection, "first_vertex");
   if (!sound) return;
   for (size_t i = 0; i < lights; ++i) {
     const std::string place = "light " + std::to_string(i);
     const uint8_t t = (*type)[i];
     const Vector n = vectorAt(*normal, i);
-    if (!(std::abs(dot(n, n) - 1) < double(kNormalTolerance))) return context.report(IssueId::value_range, kSection, "normal", place + " has no unit normal");
+    if (!(std::abs(dot(n, n) - 1) < double(kNormalTolerance)))
+      return context.report(IssueId::value_range, kSection, "normal", place + " has no unit normal");
     const float r = (*radius)[i];
     if (t == kDisk || t == kSphere ? !(r > 0) || !std::isfinite(r) : r != 0)
       return context.report(IssueId::value_range, kSection, "radius", place + " has a radius that does not fit its type");
@@ -78,7 +86,8 @@ void verifyVpl(VerifyContext& context) {
     if (t == kPolygon ? count < kFewestVertices || count > kMostVertices : count != 0)
       return context.report(IssueId::value_range, kSection, "first_vertex", place + " has a number of vertices that does not fit its type");
     if (t == kPolygon)
-      if (const char* wrong = wrongPolygon(*vertex, first, end, n)) return context.report(IssueId::value_range, kSection, "vertex", place + " " + wrong);
+      if (const char* wrong = wrongPolygon(*vertex, first, end, n))
+        return context.report(IssueId::value_range, kSection, "vertex", place + " " + wrong);
     if (i > 0 && ((*source)[i] < (*source)[i - 1] || ((*source)[i] == (*source)[i - 1] && (*bounce)[i] < (*bounce)[i - 1])))
       return context.report(IssueId::order, kSection, "source", place + " is not in the order of sources and bounces");
   }

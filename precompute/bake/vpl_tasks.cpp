@@ -14,20 +14,28 @@ constexpr uint32_t kPathsPerLight = 100, kFewestPaths = 20000, kMostPaths = 1u <
 
 uint32_t lightsFor(plan::Quality quality) {
   switch (quality) {
-    case plan::Quality::draft: return 200;
-    case plan::Quality::preview: return 500;
-    case plan::Quality::production: return 1500;
+    case plan::Quality::draft:
+      return 200;
+    case plan::Quality::preview:
+      return 500;
+    case plan::Quality::production:
+      return 1500;
   }
   return 0;
 }
 
 std::optional<transport::VirtualLightType> typeOf(plan::VirtualLightShape shape) {
   switch (shape) {
-    case plan::VirtualLightShape::automatic: return std::nullopt;
-    case plan::VirtualLightShape::point: return transport::VirtualLightType::point;
-    case plan::VirtualLightShape::disk: return transport::VirtualLightType::disk;
-    case plan::VirtualLightShape::sphere: return transport::VirtualLightType::sphere;
-    case plan::VirtualLightShape::polygon: return transport::VirtualLightType::polygon;
+    case plan::VirtualLightShape::automatic:
+      return std::nullopt;
+    case plan::VirtualLightShape::point:
+      return transport::VirtualLightType::point;
+    case plan::VirtualLightShape::disk:
+      return transport::VirtualLightType::disk;
+    case plan::VirtualLightShape::sphere:
+      return transport::VirtualLightType::sphere;
+    case plan::VirtualLightShape::polygon:
+      return transport::VirtualLightType::polygon;
   }
   return std::nullopt;
 }
@@ -37,7 +45,8 @@ std::optional<transport::VirtualLightType> typeOf(plan::VirtualLightShape shape)
 VplSettings vplSettings(const plan::Settings& settings) {
   VplSettings vpl;
   // A step halves the error: four times the lights.
-  const double lights = settings.virtual_lights ? settings.virtual_lights : lightsFor(settings.quality) * std::exp2(2.0 * settings.refinement);
+  const double lights =
+      settings.virtual_lights ? settings.virtual_lights : lightsFor(settings.quality) * std::exp2(2.0 * settings.refinement);
   vpl.clusters.lights = uint32_t(std::clamp(lights, 1.0, double(plan::kMostVirtualLights)));
   vpl.clusters.type = typeOf(settings.virtual_light);
   vpl.clusters.seed = vpl.paths.seed = settings.seed;
@@ -46,16 +55,19 @@ VplSettings vplSettings(const plan::Settings& settings) {
 }
 
 TaskIndex addVplTasks(TaskGraph& graph, const BakeContext& context, const VplSettings& settings) {
-  const auto paths = std::make_shared<const transport::LightPaths>(context.scene(), context.atlas(), *context.tracer(), context.scene().lights, settings.paths);
+  const auto paths = std::make_shared<const transport::LightPaths>(context.scene(), context.atlas(), *context.tracer(),
+                                                                   context.scene().lights, settings.paths);
   const Parameters light = Parameters(context.keys().surfaces).add(context.keys().lights).add(settings.paths.paths, settings.paths.seed);
-  const auto traced = addRange(graph, "vpl", "light paths", light, paths->count(), kPathsPerTask, 3, {}, [paths](uint32_t first, uint32_t end, const TaskInputs& in) {
-    ByteWriter writer;
-    writer.array(paths->trace(first, end, &in.cancel));
-    return writer.take();
-  });
+  const auto traced = addRange(graph, "vpl", "light paths", light, paths->count(), kPathsPerTask, 3, {},
+                               [paths](uint32_t first, uint32_t end, const TaskInputs& in) {
+                                 ByteWriter writer;
+                                 writer.array(paths->trace(first, end, &in.cancel));
+                                 return writer.take();
+                               });
   const transport::ClusterOptions& c = settings.clusters;
-  return graph.add({"vpl/clusters", "virtual lights", "vpl/clusters", Parameters(light).add(c.lights, c.type ? int(*c.type) : 0, c.seed).text(), traced,
-                    2.0 * paths->count(), [&context, c](const TaskInputs& in) {
+  return graph.add({"vpl/clusters", "virtual lights", "vpl/clusters",
+                    Parameters(light).add(c.lights, c.type ? int(*c.type) : 0, c.seed).text(), traced, 2.0 * paths->count(),
+                    [&context, c](const TaskInputs& in) {
                       std::vector<transport::VirtualPoint> points;
                       for (const auto& bytes : in.inputs) {
                         ByteReader reader(*bytes);

@@ -1,5 +1,5 @@
-// Irradiance of Lambertian area lights at a point, unoccluded and exact, in float: form factors between a differential area and a polygon, disk or sphere.
-// No dependencies; free of NaN for all finite arguments.
+// Irradiance of Lambertian area lights at a point, unoccluded and exact, in float: form factors between a differential area and a polygon,
+// disk or sphere. No dependencies; free of NaN for all finite arguments.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -18,11 +18,13 @@ inline float largest(Float3 a) { return std::max({std::abs(a.x), std::abs(a.y), 
 
 inline constexpr float kPiF = 3.14159265358979f;
 inline constexpr unsigned kMostPolygonVertices = 8;
-/// Polygons that are seen smaller than this (radius ÷ distance) are points: the error of that, its square, is then that of the sum over edges, which cancel.
+/// Polygons that are seen smaller than this (radius ÷ distance) are points: the error of that, its square, is then that of the sum over
+/// edges, which cancel.
 inline constexpr float kPointRadius = 0.004f;
 
-/// One edge's part of Lambert's formula (Baum et al., "Improving Radiosity Solutions Through the Use of Analytically Determined Form-Factors", 1989): the angle
-/// that it subtends times the cosine between its plane's normal and the receiver's. `a` and `b` with z along the receiver's normal, about 1 in size.
+/// One edge's part of Lambert's formula (Baum et al., "Improving Radiosity Solutions Through the Use of Analytically Determined
+/// Form-Factors", 1989): the angle that it subtends times the cosine between its plane's normal and the receiver's. `a` and `b` with z
+/// along the receiver's normal, about 1 in size.
 inline float edgeIntegral(Float3 a, Float3 b) {
   const Float3 gamma = cross(a, b - a);  // a x b, with the difference taken before the products
   const float length = std::sqrt(dot(gamma, gamma)), cosine = dot(a, b);
@@ -31,15 +33,17 @@ inline float edgeIntegral(Float3 a, Float3 b) {
   return std::atan2(length, cosine) * (gamma.z / length);
 }
 
-/// The part of a hemisphere's cosine-weighted solid angle, 0 to 1, that a convex planar polygon covers: the irradiance by radiance 1, divided by pi.
-/// `vertices`: counter-clockwise as seen from its front, which shines; 3 to kMostPolygonVertices; relative to the receiver, whose unit normal is `normal`.
+/// The part of a hemisphere's cosine-weighted solid angle, 0 to 1, that a convex planar polygon covers: the irradiance by radiance 1,
+/// divided by pi. `vertices`: counter-clockwise as seen from its front, which shines; 3 to kMostPolygonVertices; relative to the receiver,
+/// whose unit normal is `normal`.
 inline float polygonFormFactor(const Float3* vertices, unsigned count, Float3 normal) {
   // A frame about the normal (Duff et al. 2017), scaled so that no product leaves the range.
   float size = 0;
   for (unsigned i = 0; i < count; ++i) size = std::max(size, largest(vertices[i]));
   if (!(size > 0) || !(size < 1e38f)) return 0;
   const float sign = std::copysign(1.0f, normal.z), c = -1.0f / (sign + normal.z), d = normal.x * normal.y * c;
-  const Float3 tangent{1 + sign * normal.x * normal.x * c, sign * d, -sign * normal.x}, bitangent{d, sign + normal.y * normal.y * c, -normal.y};
+  const Float3 tangent{1 + sign * normal.x * normal.x * c, sign * d, -sign * normal.x},
+      bitangent{d, sign + normal.y * normal.y * c, -normal.y};
   Float3 local[kMostPolygonVertices];
   for (unsigned i = 0; i < count; ++i) {
     const Float3 v = vertices[i] * (1 / size);
@@ -71,8 +75,9 @@ inline float polygonFormFactor(const Float3* vertices, unsigned count, Float3 no
   return std::clamp(-sum / (2 * kPiF), 0.0f, 1.0f);
 }
 
-/// Integral of the clamped cosine to `normal` over the directions within the angle of sine `sine` (0 to 1; at most a hemisphere) about a direction whose cosine
-/// to the normal is `cosine`. Lagarde and de Rousiers, "Moving Frostbite to Physically Based Rendering" (2014), listing 10, after Snyder 1996.
+/// Integral of the clamped cosine to `normal` over the directions within the angle of sine `sine` (0 to 1; at most a hemisphere) about a
+/// direction whose cosine to the normal is `cosine`. Lagarde and de Rousiers, "Moving Frostbite to Physically Based Rendering" (2014),
+/// listing 10, after Snyder 1996.
 inline float coneIrradiance(float cosine, float sine) {
   cosine = std::clamp(cosine, -1.0f, 1.0f);
   const float sine2 = sine * sine;

@@ -28,7 +28,8 @@ lw_result load(const lw_container& container, lw_virtual_lights& lights) {
   if (const lw_result result = findChunk(container, kSection, "header", ElementType::bytes, chunk)) return result;
   Array<uint8_t> message;
   if (const lw_result result = decodeChunk(container, *chunk, message)) return result;
-  if (!format::parseVplHeader(message.data(), message.size(), lights.header)) return badSection(container, *chunk, "it is not a valid message");
+  if (!format::parseVplHeader(message.data(), message.size(), lights.header))
+    return badSection(container, *chunk, "it is not a valid message");
   const uint64_t n = lights.header.lights, v = lights.header.vertices;
   if (n == 0) return badSection(container, *chunk, "it has no lights");
   const auto floats = [&](const char* name, uint64_t count, Array<float>& values) -> lw_result {
@@ -42,36 +43,43 @@ lw_result load(const lw_container& container, lw_virtual_lights& lights) {
   if (const lw_result result = floats("normal", n * 3, lights.normal)) return result;
   if (const lw_result result = floats("flux", n * 3, lights.flux_rgb)) return result;
   if (const lw_result result = floats("radius", n, lights.radius_m)) return result;
-  if (const lw_result result = decodeChunk(container, kSection, "first_vertex", ElementType::u32, n + 1, lights.first_vertex)) return result;
+  if (const lw_result result = decodeChunk(container, kSection, "first_vertex", ElementType::u32, n + 1, lights.first_vertex))
+    return result;
   lights.vertex_m.allocate(container.host, 0);
   if (v > 0)
     if (const lw_result result = floats("vertex", v * 3, lights.vertex_m)) return result;
-  if (!lights.area_m2.allocate(container.host, n)) return container.host.fail(LW_OUT_OF_MEMORY, "vpl: no memory for %u areas", lights.header.lights);
-  if (lights.first_vertex[0] != 0 || lights.first_vertex[n] != v) return container.host.fail(LW_BAD_SECTION, "vpl/first_vertex: it does not span the vertices");
+  if (!lights.area_m2.allocate(container.host, n))
+    return container.host.fail(LW_OUT_OF_MEMORY, "vpl: no memory for %u areas", lights.header.lights);
+  if (lights.first_vertex[0] != 0 || lights.first_vertex[n] != v)
+    return container.host.fail(LW_BAD_SECTION, "vpl/first_vertex: it does not span the vertices");
   for (size_t i = 0; i < n; ++i) {
     const uint32_t type = lights.type[i], first = lights.first_vertex[i], end = lights.first_vertex[i + 1];
     const bool polygon = type == LW_VIRTUAL_POLYGON, round = type == LW_VIRTUAL_DISK || type == LW_VIRTUAL_SPHERE;
-    if (type < LW_VIRTUAL_POINT || type > LW_VIRTUAL_POLYGON) return container.host.fail(LW_BAD_SECTION, "vpl/type: value %zu is unknown", i);
+    if (type < LW_VIRTUAL_POINT || type > LW_VIRTUAL_POLYGON)
+      return container.host.fail(LW_BAD_SECTION, "vpl/type: value %zu is unknown", i);
     if (end < first || end > v || (polygon ? end - first < 3 || end - first > kMostPolygonVertices : end != first))
       return container.host.fail(LW_BAD_SECTION, "vpl/first_vertex: value %zu does not fit its type", i);
     if (lights.source[i] >= lights.header.sources) return container.host.fail(LW_BAD_SECTION, "vpl/source: value %zu is no source", i);
     for (int k = 0; k < 3; ++k)
       if (!(lights.flux_rgb[i * 3 + size_t(k)] >= 0)) return container.host.fail(LW_BAD_SECTION, "vpl/flux: value %zu is negative", i);
     const Float3 normal = float3(&lights.normal[i * 3]);
-    if (!(std::abs(dot(normal, normal) - 1) < 1e-3f)) return container.host.fail(LW_BAD_SECTION, "vpl/normal: value %zu is not a unit vector", i);
+    if (!(std::abs(dot(normal, normal) - 1) < 1e-3f))
+      return container.host.fail(LW_BAD_SECTION, "vpl/normal: value %zu is not a unit vector", i);
     const float radius = lights.radius_m[i];
     if (round ? !(radius > 0) : radius != 0) return container.host.fail(LW_BAD_SECTION, "vpl/radius: value %zu does not fit its type", i);
     lights.area_m2[i] = round ? kPiF * radius * radius : 0;
     if (polygon) {
       const Float3 twice = areaVector(&lights.vertex_m[size_t(first) * 3], end - first);
       lights.area_m2[i] = 0.5f * std::sqrt(dot(twice, twice));
-      if (!(lights.area_m2[i] > 0) || !(dot(twice, normal) > 0)) return container.host.fail(LW_BAD_SECTION, "vpl/vertex: polygon %zu has no area on its front", i);
+      if (!(lights.area_m2[i] > 0) || !(dot(twice, normal) > 0))
+        return container.host.fail(LW_BAD_SECTION, "vpl/vertex: polygon %zu has no area on its front", i);
     }
   }
   return LW_OK;
 }
 
-/// Where the receiver is looked at from: out of the region within epsilon of the light's plane, along its own surface (Luksch et al. 2013, section 6.1).
+/// Where the receiver is looked at from: out of the region within epsilon of the light's plane, along its own surface (Luksch et al. 2013,
+/// section 6.1).
 Float3 movedOffPlane(const lw_virtual_light& light, Float3 position, Float3 normal, float epsilon) {
   const Float3 plane = float3(light.normal), from = position - float3(light.position_m);
   const float height = dot(plane, from);
@@ -92,19 +100,26 @@ float unitIrradiance(const lw_virtual_light& light, Float3 position, Float3 norm
   // At the light's own middle there is no direction to it: as if right above.
   const Float3 direction = distance > 0 ? to_light * (1 / distance) : normal;
   const float receiver_cosine = std::max(dot(direction, normal), 0.0f), light_cosine = std::max(-dot(direction, light_normal), 0.0f);
-  const auto point = [&](float more_area) { return receiver_cosine * light_cosine / std::max(kPiF * std::max(distance2, epsilon * epsilon) + more_area, 1e-30f); };
+  const auto point = [&](float more_area) {
+    return receiver_cosine * light_cosine / std::max(kPiF * std::max(distance2, epsilon * epsilon) + more_area, 1e-30f);
+  };
   switch (light.type) {
-    case LW_VIRTUAL_POINT: return point(0);
-    case LW_VIRTUAL_DISK: return point(light.area_m2);  // Wallace et al. 1989
+    case LW_VIRTUAL_POINT:
+      return point(0);
+    case LW_VIRTUAL_DISK:
+      return point(light.area_m2);  // Wallace et al. 1989
     case LW_VIRTUAL_SPHERE: {
-      // Hasan et al., "Virtual Spherical Lights" (2009), for diffuse surfaces: mean over the sphere's cone of directions of both cosines, here one by one.
+      // Hasan et al., "Virtual Spherical Lights" (2009), for diffuse surfaces: mean over the sphere's cone of directions of both cosines,
+      // here one by one.
       const float sine = distance > light.radius_m ? light.radius_m / distance : 1.0f;
       if (sine < 1e-3f) return point(0);
       const float solid_angle = 2 * kPiF * (sine * sine / (1 + std::sqrt(std::max(1 - sine * sine, 0.0f))));
-      const float received = coneIrradiance(dot(direction, normal), sine), sent = coneIrradiance(-dot(direction, light_normal), sine) / solid_angle;
+      const float received = coneIrradiance(dot(direction, normal), sine),
+                  sent = coneIrradiance(-dot(direction, light_normal), sine) / solid_angle;
       return received * sent / (kPiF * light.area_m2);
     }
-    default: break;
+    default:
+      break;
   }
   if (!(dot(light_normal, to_light) < 0)) return 0;  // from behind
   float radius2 = 0;
@@ -157,9 +172,11 @@ lw_result lw_virtual_lights_get(const lw_virtual_lights* lights, uint32_t index,
   return LW_OK;
 }
 
-lw_result lw_virtual_light_irradiance(const lw_virtual_light* light, const float position_m[3], const float normal[3], float epsilon_m, float irradiance_rgb[3]) {
-  if (!light || !position_m || !normal || !irradiance_rgb || !(epsilon_m >= 0) || light->type < LW_VIRTUAL_POINT || light->type > LW_VIRTUAL_POLYGON ||
-      light->vertex_count > kMostPolygonVertices || (light->type == LW_VIRTUAL_POLYGON && !light->vertices_m) || (light->type != LW_VIRTUAL_POINT && !(light->area_m2 > 0)))
+lw_result lw_virtual_light_irradiance(const lw_virtual_light* light, const float position_m[3], const float normal[3], float epsilon_m,
+                                      float irradiance_rgb[3]) {
+  if (!light || !position_m || !normal || !irradiance_rgb || !(epsilon_m >= 0) || light->type < LW_VIRTUAL_POINT ||
+      light->type > LW_VIRTUAL_POLYGON || light->vertex_count > kMostPolygonVertices ||
+      (light->type == LW_VIRTUAL_POLYGON && !light->vertices_m) || (light->type != LW_VIRTUAL_POINT && !(light->area_m2 > 0)))
     return LW_INVALID_ARGUMENT;
   const float share = unitIrradiance(*light, float3(position_m), float3(normal), epsilon_m);
   for (int k = 0; k < 3; ++k) irradiance_rgb[k] = std::min(light->flux_rgb[k] * share, 1e30f);
@@ -167,7 +184,8 @@ lw_result lw_virtual_light_irradiance(const lw_virtual_light* light, const float
 }
 
 lw_result lw_virtual_light_point(const lw_virtual_light* light, const float uv[2], float position_m[3]) {
-  if (!light || !uv || !position_m || (light->type == LW_VIRTUAL_POLYGON && (!light->vertices_m || light->vertex_count < 3))) return LW_INVALID_ARGUMENT;
+  if (!light || !uv || !position_m || (light->type == LW_VIRTUAL_POLYGON && (!light->vertices_m || light->vertex_count < 3)))
+    return LW_INVALID_ARGUMENT;
   Float3 at = float3(light->position_m);
   if (light->type == LW_VIRTUAL_DISK || light->type == LW_VIRTUAL_SPHERE) {
     const Float3 n = float3(light->normal);

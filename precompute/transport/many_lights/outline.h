@@ -19,8 +19,8 @@ Polygon2 simplified(Polygon2 polygon, size_t most);
 Polygon2 clipped(const Polygon2& polygon, const Vec2& normal, float offset);
 /// `cell` as far as it lies within `border` of each edge's line of `hull`.
 Polygon2 grownInto(const Polygon2& cell, const Polygon2& hull, float border);
-/// Direction of the side of the least rectangle around the hull; (1, 0) when it has no area, or that is nearly as good: hulls of random points are never quite
-/// straight.
+/// Direction of the side of the least rectangle around the hull; (1, 0) when it has no area, or that is nearly as good: hulls of random
+/// points are never quite straight.
 Vec2 alignment(const Polygon2& hull);
 
 }  // namespace lightwell::transport

@@ -10,10 +10,10 @@ namespace lightwell::transport {
 namespace {
 
 constexpr uint64_t kPlaneStream = 13ull << 40;
-constexpr double kMissed = 0.01;          // probability that a plane of least_points is not among the hypotheses
+constexpr double kMissed = 0.01;  // probability that a plane of least_points is not among the hypotheses
 constexpr uint32_t kMostHypotheses = 512;
-constexpr uint32_t kScored = 512;         // points at which a hypothesis is judged before the best is looked at whole
-constexpr double kConnected = 6;          // mean distances between points: parts of a plane farther apart are apart
+constexpr uint32_t kScored = 512;  // points at which a hypothesis is judged before the best is looked at whole
+constexpr double kConnected = 6;   // mean distances between points: parts of a plane farther apart are apart
 
 struct Hypothesis {
   Vec3 point{0.0f}, normal{0.0f};
@@ -22,9 +22,10 @@ struct Hypothesis {
   }
 };
 
-/// Connected parts of points of a plane, by flood fill over an occupancy grid (Schnabel et al., section 4.4). Parts of too few points belong to the nearest
-/// larger one; without any, all are one.
-std::vector<std::vector<uint32_t>> connectedParts(std::span<const VirtualPoint> points, const std::vector<uint32_t>& members, const Vec3& normal, uint32_t least) {
+/// Connected parts of points of a plane, by flood fill over an occupancy grid (Schnabel et al., section 4.4). Parts of too few points
+/// belong to the nearest larger one; without any, all are one.
+std::vector<std::vector<uint32_t>> connectedParts(std::span<const VirtualPoint> points, const std::vector<uint32_t>& members,
+                                                  const Vec3& normal, uint32_t least) {
   Vec3 s, t;
   orthonormalBasis(normal, s, t);
   Vec2 low(INFINITY), high(-INFINITY);
@@ -37,7 +38,8 @@ std::vector<std::vector<uint32_t>> connectedParts(std::span<const VirtualPoint> 
   if (!(cell > 0)) return {members};
   using Cell = std::pair<int64_t, int64_t>;
   std::map<Cell, std::vector<uint32_t>> cells;  // of indices into members
-  for (uint32_t m = 0; m < members.size(); ++m) cells[{int64_t((place[m].x - low.x) / cell), int64_t((place[m].y - low.y) / cell)}].push_back(m);
+  for (uint32_t m = 0; m < members.size(); ++m)
+    cells[{int64_t((place[m].x - low.x) / cell), int64_t((place[m].y - low.y) / cell)}].push_back(m);
   struct Part {
     std::vector<uint32_t> members;
     Vec2 middle{0, 0};
@@ -80,7 +82,8 @@ std::vector<std::vector<uint32_t>> connectedParts(std::span<const VirtualPoint> 
 
 }  // namespace
 
-DetectedPlanes detectPlanes(std::span<const VirtualPoint> points, std::span<const uint32_t> members, const PlaneOptions& options, const CancelFlag* cancel) {
+DetectedPlanes detectPlanes(std::span<const VirtualPoint> points, std::span<const uint32_t> members, const PlaneOptions& options,
+                            const CancelFlag* cancel) {
   DetectedPlanes result;
   result.rest.assign(members.begin(), members.end());
   const Sampler sampler(options.seed, kPlaneStream);
@@ -105,7 +108,8 @@ DetectedPlanes detectPlanes(std::span<const VirtualPoint> points, std::span<cons
     if (on_plane.size() < least) break;
     Vec3d normal(0.0);
     for (const uint32_t i : on_plane) normal += Vec3d(points[i].normal);
-    for (auto& part : connectedParts(points, on_plane, best.normal, least)) result.planes.push_back({Vec3(normal.normalized()), std::move(part)});
+    for (auto& part : connectedParts(points, on_plane, best.normal, least))
+      result.planes.push_back({Vec3(normal.normalized()), std::move(part)});
     result.rest = std::move(others);
   }
   return result;

@@ -1,5 +1,5 @@
-// Planes among virtual points: RANSAC after Schnabel et al., "Efficient RANSAC for Point-Cloud Shape Detection" (CGF 2007). Points have normals, so that
-// one of them is a hypothesis.
+// Planes among virtual points: RANSAC after Schnabel et al., "Efficient RANSAC for Point-Cloud Shape Detection" (CGF 2007). Points have
+// normals, so that one of them is a hypothesis.
 #pragma once
 #include <span>
 #include <vector>
@@ -9,9 +9,9 @@
 namespace lightwell::transport {
 
 struct PlaneOptions {
-  float distance = 0;               // a point this far from a plane still lies on it, internal units
-  float least_cosine = 0.9995f;     // between its normal and the plane's
-  uint32_t least_points = 8;        // on a plane
+  float distance = 0;            // a point this far from a plane still lies on it, internal units
+  float least_cosine = 0.9995f;  // between its normal and the plane's
+  uint32_t least_points = 8;     // on a plane
   uint64_t seed = 1;
 };
 
@@ -26,6 +26,7 @@ struct DetectedPlanes {
 };
 
 /// Splits the points `members` of `points`. The result depends on nothing but the arguments. Throws Cancelled; `cancel` may be null.
-DetectedPlanes detectPlanes(std::span<const VirtualPoint> points, std::span<const uint32_t> members, const PlaneOptions& options, const CancelFlag* cancel);
+DetectedPlanes detectPlanes(std::span<const VirtualPoint> points, std::span<const uint32_t> members, const PlaneOptions& options,
+                            const CancelFlag* cancel);
 
 }  // namespace lightwell::transport

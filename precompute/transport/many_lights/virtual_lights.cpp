@@ -13,13 +13,13 @@
 namespace lightwell::transport {
 namespace {
 
-constexpr float kPlaneDistance = 5e-4f;   // of the scene's radius
+constexpr float kPlaneDistance = 5e-4f;  // of the scene's radius
 constexpr uint32_t kFewestPlanePoints = 8;
-constexpr double kFewestLights = 8;       // a bounce that would get fewer is one with the bounce before it
-constexpr double kGapWeight = 0.5;        // rho of equation 1
-constexpr double kBorder = 1.5;           // mean distances between points
+constexpr double kFewestLights = 8;  // a bounce that would get fewer is one with the bounce before it
+constexpr double kGapWeight = 0.5;   // rho of equation 1
+constexpr double kBorder = 1.5;      // mean distances between points
 constexpr size_t kMostVertices = 8;
-constexpr double kFlat = 0.97;            // mean cosine to the mean normal from which on a cluster is as good as plane
+constexpr double kFlat = 0.97;  // mean cosine to the mean normal from which on a cluster is as good as plane
 // By how much of its area a square differs from the disk of equal area and middle, and what elongation adds.
 constexpr double kDiskMismatch = 0.18;
 
@@ -47,7 +47,8 @@ class Clustering {
   std::vector<VirtualLight> lights() {
     for (const auto& [key, members] : groups()) addGroup(key.first, key.second, members);
     split();
-    std::stable_sort(clusters_.begin(), clusters_.end(), [](const Cluster& a, const Cluster& b) { return std::pair(a.source, a.bounce) < std::pair(b.source, b.bounce); });
+    std::stable_sort(clusters_.begin(), clusters_.end(),
+                     [](const Cluster& a, const Cluster& b) { return std::pair(a.source, a.bounce) < std::pair(b.source, b.bounce); });
     std::vector<VirtualLight> lights;
     for (const Cluster& cluster : clusters_) lights.push_back(lightOf(cluster));
     return lights;
@@ -87,11 +88,14 @@ class Clustering {
   void addGroup(uint32_t source, uint32_t bounce, const std::vector<uint32_t>& members) {
     total_points_ += members.size();
     const size_t fair = points_.size() / (4 * std::max<size_t>(options_.lights, 1));
-    DetectedPlanes found = detectPlanes(points_, members, {.distance = kPlaneDistance * scene_radius_, .least_points = std::max(kFewestPlanePoints, uint32_t(fair)),
-                                                           .seed = options_.seed}, cancel_);
+    DetectedPlanes found = detectPlanes(
+        points_, members,
+        {.distance = kPlaneDistance * scene_radius_, .least_points = std::max(kFewestPlanePoints, uint32_t(fair)), .seed = options_.seed},
+        cancel_);
     // No more planes than there are lights for.
     const size_t most = std::max<size_t>(1, size_t(double(options_.lights) * double(members.size()) / double(points_.size())));
-    std::stable_sort(found.planes.begin(), found.planes.end(), [&](const PlanarPoints& a, const PlanarPoints& b) { return powerOf(a.points) > powerOf(b.points); });
+    std::stable_sort(found.planes.begin(), found.planes.end(),
+                     [&](const PlanarPoints& a, const PlanarPoints& b) { return powerOf(a.points) > powerOf(b.points); });
     while (found.planes.size() > most) {
       found.rest.insert(found.rest.end(), found.planes.back().points.begin(), found.planes.back().points.end());
       found.planes.pop_back();
@@ -124,7 +128,8 @@ class Clustering {
   }
 
   void add(uint32_t source, uint32_t bounce, const Frame& frame, std::vector<uint32_t> members) {
-    Cluster cluster{.points = std::move(members), .frame = uint32_t(frames_.size()), .source = source, .bounce = bounce, .low = {}, .high = {}};
+    Cluster cluster{
+        .points = std::move(members), .frame = uint32_t(frames_.size()), .source = source, .bounce = bounce, .low = {}, .high = {}};
     for (int k = 0; k < 3; ++k) {
       cluster.low[k] = INFINITY, cluster.high[k] = -INFINITY;
       for (const uint32_t i : cluster.points) {
@@ -139,7 +144,9 @@ class Clustering {
 
   /// The cluster of most power is cut in two until there are as many as wanted.
   void split() {
-    const auto less = [&](uint32_t a, uint32_t b) { return clusters_[a].power != clusters_[b].power ? clusters_[a].power < clusters_[b].power : a > b; };
+    const auto less = [&](uint32_t a, uint32_t b) {
+      return clusters_[a].power != clusters_[b].power ? clusters_[a].power < clusters_[b].power : a > b;
+    };
     std::priority_queue<uint32_t, std::vector<uint32_t>, decltype(less)> queue(less);
     for (uint32_t i = 0; i < clusters_.size(); ++i) queue.push(i);
     while (clusters_.size() < options_.lights && !queue.empty()) {
@@ -152,7 +159,8 @@ class Clustering {
     }
   }
 
-  /// Equation 1: across the longest side, at a wide gap near the median. The second half becomes a new cluster. False when all points are in one place.
+  /// Equation 1: across the longest side, at a wide gap near the median. The second half becomes a new cluster. False when all points are
+  /// in one place.
   bool cut(uint32_t index) {
     Cluster& cluster = clusters_[index];
     const Frame& frame = frames_[cluster.frame];
@@ -198,7 +206,9 @@ class Clustering {
   }
 
   /// The surface that a point stands for where a cluster spans none: that of the points of a sphere around the scene.
-  double areaPerPoint() const { return 4.0 * double(kPi) * double(scene_radius_) * double(scene_radius_) / double(std::max<size_t>(total_points_, 1)); }
+  double areaPerPoint() const {
+    return 4.0 * double(kPi) * double(scene_radius_) * double(scene_radius_) / double(std::max<size_t>(total_points_, 1));
+  }
 
   VirtualLight lightOf(const Cluster& cluster) const {
     VirtualLight light{.source = cluster.source, .bounce = cluster.bounce};
@@ -227,7 +237,8 @@ class Clustering {
     if (hull_area > 0) {
       Vec2 low(INFINITY), high(-INFINITY);
       for (int k = 0; k < 2; ++k) {
-        if (own.planar) low[k] = cluster.low[k], high[k] = cluster.high[k];
+        if (own.planar)
+          low[k] = cluster.low[k], high[k] = cluster.high[k];
         else
           for (const Vec2& corner : hull) low[k] = std::min(low[k], corner[k] - border), high[k] = std::max(high[k], corner[k] + border);
       }
@@ -251,8 +262,8 @@ class Clustering {
     return light;
   }
 
-  /// The type with the least expected error: of a polygon, the part of its area that is only supposed; of a disk, its difference in shape. Neither is good
-  /// for what is not flat.
+  /// The type with the least expected error: of a polygon, the part of its area that is only supposed; of a disk, its difference in shape.
+  /// Neither is good for what is not flat.
   VirtualLightType typeFor(const Cluster& cluster, double mean_cosine, const Polygon2& outline, double hull_area, double area) const {
     if (mean_cosine < kFlat) return VirtualLightType::sphere;
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
@@ -279,7 +290,8 @@ class Clustering {
 
 }  // namespace
 
-std::vector<VirtualLight> clusterPoints(std::span<const VirtualPoint> points, float scene_radius, const ClusterOptions& options, const CancelFlag* cancel) {
+std::vector<VirtualLight> clusterPoints(std::span<const VirtualPoint> points, float scene_radius, const ClusterOptions& options,
+                                        const CancelFlag* cancel) {
   return Clustering(points, scene_radius, options, cancel).lights();
 }
 
@@ -317,7 +329,13 @@ std::vector<VirtualLight> readVirtualLights(ByteView bytes) {
   size_t first = 0;
   for (const Record& r : records) {
     require(r.type >= 1 && r.type <= uint32_t(VirtualLightType::polygon) && r.vertices <= vertices.size() - first);
-    lights.push_back({VirtualLightType(r.type), r.source, r.bounce, r.position, r.normal, r.power_rgb, r.radius,
+    lights.push_back({VirtualLightType(r.type),
+                      r.source,
+                      r.bounce,
+                      r.position,
+                      r.normal,
+                      r.power_rgb,
+                      r.radius,
                       {vertices.begin() + std::ptrdiff_t(first), vertices.begin() + std::ptrdiff_t(first + r.vertices)}});
     first += r.vertices;
   }

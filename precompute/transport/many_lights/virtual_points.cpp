@@ -40,12 +40,14 @@ struct SpotEdge {
 
 Rgb lampPower(const scene::Light& light, float scene_radius) {
   switch (light.type) {
-    case scene::LightType::point: return light.intensity * (4 * kPi);
+    case scene::LightType::point:
+      return light.intensity * (4 * kPi);
     case scene::LightType::spot: {
       const SpotEdge spot(light);
       return light.intensity * (2 * kPi * (spot.edge() + spot.inside()));
     }
-    case scene::LightType::directional: return light.intensity * (kPi * scene_radius * scene_radius);
+    case scene::LightType::directional:
+      return light.intensity * (kPi * scene_radius * scene_radius);
   }
   return Rgb(0.0f);
 }
@@ -75,8 +77,8 @@ struct LightPaths::Start {
   VirtualPoint point{};
 };
 
-LightPaths::LightPaths(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const std::vector<scene::Light>& lights,
-                       const LightPathOptions& options)
+LightPaths::LightPaths(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer,
+                       const std::vector<scene::Light>& lights, const LightPathOptions& options)
     : scene_(scene), atlas_(atlas), tracer_(tracer), lights_(lights), seed_(options.seed) {
   if (scene.bounds.isEmpty()) return;
   middle_ = scene.bounds.center();
@@ -128,16 +130,19 @@ LightPaths::Start LightPaths::startOfLamp(const Source& source, const Vec2& plac
   return start;
 }
 
-LightPaths::Start LightPaths::startOnEmitter(const Source& source, float pick, float side, float patch, const Vec2& place, const Vec2& direction) const {
+LightPaths::Start LightPaths::startOnEmitter(const Source& source, float pick, float side, float patch, const Vec2& place,
+                                             const Vec2& direction) const {
   const double target = double(pick) * emitting_cdf_.back();
-  const size_t i = std::min<size_t>(size_t(std::upper_bound(emitting_cdf_.begin(), emitting_cdf_.end(), target) - emitting_cdf_.begin()), emitting_cdf_.size() - 1);
+  const size_t i = std::min<size_t>(size_t(std::upper_bound(emitting_cdf_.begin(), emitting_cdf_.end(), target) - emitting_cdf_.begin()),
+                                    emitting_cdf_.size() - 1);
   const atlas::Slot& slot = atlas_.slots[emitting_slot_[i]];
   const double probability = (emitting_cdf_[i] - (i ? emitting_cdf_[i - 1] : 0.0)) / emitting_cdf_.back();
   const atlas::SurfacePoint at = atlas::sampleSlot(scene_.mesh, atlas_, slot, patch, place);
   const bool double_sided = scene_.materials[scene_.mesh.triangle_material[at.triangle]].double_sided;
   const scene::SurfaceColor color = scene::surfaceColor(scene_, at.triangle, at.u, at.v);
   Start start;
-  const double weight = double(kPi) * double(slot.area) * (double_sided ? 2 : 1) / (probability * double(source.end_path - source.first_path));
+  const double weight =
+      double(kPi) * double(slot.area) * (double_sided ? 2 : 1) / (probability * double(source.end_path - source.first_path));
   start.power_rgb = Rgb(Vec3d(color.emitted_radiance_rgb * color.alpha) * weight);
   start.has_point = maxComponent(start.power_rgb) > 0;
   const Vec3 normal = double_sided && side < 0.5f ? -at.geometric_normal : at.geometric_normal;
@@ -151,8 +156,9 @@ void LightPaths::tracePath(const Source& source, uint32_t path, std::vector<Virt
   const Sampler sampler(seed_, kPathStream + source.index);
   const bool lamp = source.index < lights_.size();
   const Vec2 place = sampler.get2D(path, kStart), direction = sampler.get2D(path, kDirection);
-  Start start = lamp ? startOfLamp(source, place, direction)
-                     : startOnEmitter(source, sampler.get1D(path, kPick), sampler.get1D(path, kSide), sampler.get1D(path, kPatch), place, direction);
+  Start start =
+      lamp ? startOfLamp(source, place, direction)
+           : startOnEmitter(source, sampler.get1D(path, kPick), sampler.get1D(path, kSide), sampler.get1D(path, kPatch), place, direction);
   if (start.has_point) points.push_back(start.point);
   Rgb power_rgb = start.power_rgb;
   trace::Ray ray = start.ray;
@@ -168,7 +174,8 @@ void LightPaths::tracePath(const Source& source, uint32_t path, std::vector<Virt
     const float shading = -ray.direction.dot(hit.front ? at.normal : -at.normal), geometric = -ray.direction.dot(hit.geometric_normal);
     if (!(shading > 0) || !(geometric > 0)) return;
     const float before = maxComponent(power_rgb);
-    power_rgb = power_rgb * scene::surfaceColor(scene_, hit.triangle, hit.u, hit.v).albedo_rgb * std::min(shading / geometric, kMostNormalGain);
+    power_rgb =
+        power_rgb * scene::surfaceColor(scene_, hit.triangle, hit.u, hit.v).albedo_rgb * std::min(shading / geometric, kMostNormalGain);
     points.push_back({at.position, hit.geometric_normal, power_rgb, source.index, bounce});
     // Russian roulette by what the surface reflects: all virtual points of a path have about the same power.
     const uint32_t dimension = kFirstBounce + kPerBounce * bounce;

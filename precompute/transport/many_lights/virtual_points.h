@@ -1,7 +1,7 @@
 // Virtual point lights: where light paths from the lamps and emitters of a scene meet its surfaces, with the light that leaves there.
 //
-// Keller, "Instant Radiosity" (SIGGRAPH 1997), with every light source and every reflection kept apart: Luksch et al., "Fast Light-Map Computation with
-// Virtual Polygon Lights" (I3D 2013), section 5.1.
+// Keller, "Instant Radiosity" (SIGGRAPH 1997), with every light source and every reflection kept apart: Luksch et al., "Fast Light-Map
+// Computation with Virtual Polygon Lights" (I3D 2013), section 5.1.
 #pragma once
 #include <vector>
 
@@ -12,11 +12,11 @@
 namespace lightwell::transport {
 
 struct VirtualPoint {
-  Vec3 position;       // internal units
-  Vec3 normal;         // unit, geometric, on the side that shines
-  Rgb power_rgb;       // of all light that leaves, cosine-distributed: irradiance × internal units²
-  uint32_t source;     // index into the lights; their number stands for all emitters
-  uint32_t bounce;     // reflections so far; 0 only on emitters
+  Vec3 position;    // internal units
+  Vec3 normal;      // unit, geometric, on the side that shines
+  Rgb power_rgb;    // of all light that leaves, cosine-distributed: irradiance × internal units²
+  uint32_t source;  // index into the lights; their number stands for all emitters
+  uint32_t bounce;  // reflections so far; 0 only on emitters
 };
 
 struct LightPathOptions {
@@ -31,7 +31,8 @@ class LightPaths {
              const LightPathOptions& options);
 
   uint32_t count() const { return sources_.empty() ? 0 : sources_.back().end_path; }
-  /// The virtual points of paths [first, end), path by path. The power of source and bounce, summed over all paths, is an unbiased estimate.
+  /// The virtual points of paths [first, end), path by path. The power of source and bounce, summed over all paths, is an unbiased
+  /// estimate.
   std::vector<VirtualPoint> trace(uint32_t first, uint32_t end, const CancelFlag* cancel) const;
 
  private:
@@ -51,10 +52,10 @@ class LightPaths {
   const std::vector<scene::Light>& lights_;
   uint64_t seed_;
   Vec3 middle_{0.0f};
-  float radius_ = 0;                       // of a sphere around all surfaces, internal units
+  float radius_ = 0;  // of a sphere around all surfaces, internal units
   std::vector<uint32_t> emitting_slot_;
-  std::vector<double> emitting_cdf_;       // luminous flux of emitting slots, summed
-  std::vector<Source> sources_;            // those that shine
+  std::vector<double> emitting_cdf_;  // luminous flux of emitting slots, summed
+  std::vector<Source> sources_;       // those that shine
 };
 
 }  // namespace lightwell::transport
