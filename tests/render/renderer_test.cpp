@@ -63,7 +63,7 @@ class Stage : public testing::TestWithParam<GlApi> {
     lw_container* opened = nullptr;
     ASSERT_EQ(lw_open_memory(bytes.data(), bytes.size(), nullptr, &opened), LW_OK);
     container.reset(opened);
-    renderer.emplace(container.get(), EglContext::load, nullptr, sky ? *sky : EnvironmentSettings{});
+    renderer.emplace(container.get(), EglContext::load, nullptr, RendererOptions{.environment = sky ? *sky : EnvironmentSettings{}, .technique = Technique::automatic, .portals = {}});
   }
   void shine(const lw_light& light) { renderer->setLights({&light, 1}); }
   int greyAt(const View& view) {
