@@ -86,6 +86,16 @@ class VerifyContext {
 };
 
 // One per section of version 1. Each is called when the section is there.
+/// Reports values that belong to no covered texel of the atlas, or do not ascend.
+void checkTexels(VerifyContext& context, std::string_view section, const std::vector<uint32_t>& texel);
+/// Loads the chunks gate_set_first and gate_set of a section and reports sets that are empty of sense, name no gate or do not ascend.
+struct GateSetChunks {
+  std::optional<std::vector<uint32_t>> first;
+  std::optional<std::vector<uint16_t>> entry;
+  bool good = false;
+};
+GateSetChunks loadGateSets(VerifyContext& context, std::string_view section, uint64_t gates);
+
 void verifyMeta(VerifyContext& context);
 void verifyScene(VerifyContext& context);
 void verifyGeometry(VerifyContext& context);

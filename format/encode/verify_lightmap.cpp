@@ -20,14 +20,7 @@ void verifyLightmap(VerifyContext& context) {
   if (header.has_direct()) context.load<uint32_t>(kSection, "direct", ElementType::rgb9e5, {texels});
   if (header.has_indirect()) context.load<uint32_t>(kSection, "indirect", ElementType::rgb9e5, {texels});
   const auto texel = context.load<uint32_t>(kSection, "texel", {texels});
-  if (!texel || !context.find("atlas", "coverage")) return;
-  const auto coverage = context.load<uint8_t>("atlas", "coverage", {kAnyExtent, kAnyExtent});
-  for (size_t i = 0; coverage && i < texel->size(); ++i) {
-    const std::string place = "value " + std::to_string(i);
-    if ((*texel)[i] >= coverage->size()) return context.report(IssueId::index_range, kSection, "texel", place + " belongs to no texel of the atlas");
-    if (i > 0 && (*texel)[i] <= (*texel)[i - 1]) return context.report(IssueId::order, kSection, "texel", place + " does not ascend");
-    if (!(*coverage)[(*texel)[i]]) return context.report(IssueId::cross_section, kSection, "texel", place + " belongs to a texel that is not covered");
-  }
+  if (texel) checkTexels(context, kSection, *texel);
 }
 
 }  // namespace lightwell::format

@@ -73,18 +73,9 @@ class ProbesChecks {
 
   void gateSets() {
     if (!context_.find(kSection, "link_gates")) return;
-    set_first_ = context_.load<uint32_t>(kSection, "gate_set_first", {kAnyExtent});
-    const auto set = context_.load<uint16_t>(kSection, "gate_set", {kAnyExtent});
-    if (!set_first_ || !set || !context_.checkOffsets(*set_first_, set->size(), false, kSection, "gate_set_first")) return;
-    if (set_first_->size() < 2 || set_first_->size() > 65537 || (*set_first_)[1] != 0)
-      return wrong(IssueId::value_range, "gate_set_first", "the number of sets is not between 1 and 65536, or set 0 is not empty");
-    sets_good_ = context_.checkEach(*set, IssueId::index_range, kSection, "gate_set", "name no gate", [&](uint16_t v) { return v / 2 >= gates_; });
-    for (size_t s = 0; sets_good_ && s + 1 < set_first_->size(); ++s)
-      for (uint32_t e = (*set_first_)[s] + 1; e < (*set_first_)[s + 1]; ++e)
-        if ((*set)[e] <= (*set)[e - 1]) {
-          sets_good_ = false;
-          return wrong(IssueId::order, "gate_set", "set " + std::to_string(s) + " does not ascend");
-        }
+    GateSetChunks sets = loadGateSets(context_, kSection, gates_);
+    set_first_ = std::move(sets.first);
+    sets_good_ = sets.good;
   }
 
   void links() {

@@ -93,18 +93,10 @@ class RadiosityChecks {
 
   void gateSets() {
     if (gates_ == 0) return;
-    set_first_ = context_.load<uint32_t>(kSection, "gate_set_first", {kAnyExtent});
-    set_ = context_.load<uint16_t>(kSection, "gate_set", {kAnyExtent});
-    if (!set_first_ || !set_ || !context_.checkOffsets(*set_first_, set_->size(), false, kSection, "gate_set_first")) return;
-    if (set_first_->size() < 2 || set_first_->size() > 65537 || (*set_first_)[1] != 0)
-      return wrong(IssueId::value_range, "gate_set_first", "the number of sets is not between 1 and 65536, or set 0 is not empty");
-    sets_good_ = context_.checkEach(*set_, IssueId::index_range, kSection, "gate_set", "name no gate", [&](uint16_t v) { return v / 2 >= gates_; });
-    for (size_t s = 0; sets_good_ && s + 1 < set_first_->size(); ++s)
-      for (uint32_t e = (*set_first_)[s] + 1; e < (*set_first_)[s + 1]; ++e)
-        if ((*set_)[e] <= (*set_)[e - 1]) {
-          sets_good_ = false;
-          return wrong(IssueId::order, "gate_set", "set " + std::to_string(s) + " does not ascend");
-        }
+    GateSetChunks sets = loadGateSets(context_, kSection, gates_);
+    set_first_ = std::move(sets.first);
+    set_ = std::move(sets.entry);
+    sets_good_ = sets.good;
   }
 
   void links() {
@@ -168,14 +160,7 @@ class RadiosityChecks {
       for (int k = 0; k < 4; ++k)
         if (p[k] == kNone && w[k] != 0) return wrong(IssueId::value_range, "texel_weight", place + " gives weight to no patch");
     }
-    if (!texel || !context_.find("atlas", "coverage")) return;
-    const auto coverage = context_.load<uint8_t>("atlas", "coverage", {kAnyExtent, kAnyExtent});
-    for (size_t i = 0; coverage && i < texel->size(); ++i) {
-      const std::string place = "value " + std::to_string(i);
-      if ((*texel)[i] >= coverage->size()) return wrong(IssueId::index_range, "texel", place + " belongs to no texel of the atlas");
-      if (i > 0 && (*texel)[i] <= (*texel)[i - 1]) return wrong(IssueId::order, "texel", place + " does not ascend");
-      if (!(*coverage)[(*texel)[i]]) return wrong(IssueId::cross_section, "texel", place + " belongs to a texel that is not covered");
-    }
+    if (texel) checkTexels(context_, kSection, *texel);
   }
 
   VerifyContext& context_;

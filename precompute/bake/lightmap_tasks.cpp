@@ -5,20 +5,13 @@
 #include <cmath>
 
 #include "precompute/bake/bake.h"
-#include "precompute/bake/stage_tasks.h"
+#include "precompute/bake/radiosity_tasks.h"
 
 namespace lightwell::bake {
 namespace {
 
 // Elements of a stage in one task: a few tenths of a second of work. Part of what names a task, never of what it computes.
 constexpr uint32_t kSidesPerTask = 2048, kPatchesPerTask = 512, kSlotsPerTask = 1024;
-
-Parameters patchParameters(const BakeContext& context, const transport::LightmapSettings& s) {
-  KeyHasher materials;
-  materials.addArray(context.scene().mesh.triangle_material.data(), context.scene().mesh.triangle_material.size());
-  const transport::PatchOptions& p = s.patches;
-  return Parameters(context.keys().geometry).add(materials.finish()).add(p.coarsest, p.finest, p.near_share, p.most, s.seed);
-}
 
 /// All that shines.
 Parameters lightParameters(const BakeContext& context, const transport::LightmapSettings& s) {
@@ -56,7 +49,7 @@ transport::LightmapSettings lightmapSettings(const plan::Settings& settings) {
 
 std::shared_ptr<const transport::LightmapBaker> makeLightmapBaker(const BakeContext& context, const transport::LightmapSettings& settings, TaskRunner& tasks) {
   TaskGraph graph(productVersion());
-  const TaskIndex patches = graph.add({"lightmap/patches", "patches", "lightmap/patches", patchParameters(context, settings).text(), {},
+  const TaskIndex patches = graph.add({"lightmap/patches", "patches", "lightmap/patches", patchParameters(context, settings.patches, settings.seed).text(), {},
                                        double(context.atlas().slots.size()), [&](const TaskInputs& in) {
                                          return transport::makeLightmapPatchBytes(context.scene(), context.atlas(), *context.tracer(), settings, context.threads(),
                                                                                   &in.cancel);
@@ -76,11 +69,11 @@ LightmapTasks addLightmapTasks(TaskGraph& graph, const BakeContext& context, con
                           kSidesPerTask, 4 * d.samples, first, [baker](uint32_t begin, uint32_t end, const TaskInputs& in) {
                             return baker->directLight(begin, end, viewsOf(in.inputs), in.cancel);
                           });
-  const auto rows = addRange(graph, "lightmap", "patch rays", patchParameters(context, settings).add(settings.cache_rays), baker->patchCount(), kPatchesPerTask,
+  const auto rows = addRange(graph, "lightmap", "patch rays", patchParameters(context, settings.patches, settings.seed).add(settings.cache_rays), baker->patchCount(), kPatchesPerTask,
                              settings.cache_rays, {}, [baker](uint32_t begin, uint32_t end, const TaskInputs&) { return baker->rows(begin, end); });
   std::vector<TaskIndex> inputs = tasks.direct;
   inputs.insert(inputs.end(), rows.begin(), rows.end());
-  const Parameters reflection = patchParameters(context, settings).add(context.keys().reflection).add(settings.cache_rays);
+  const Parameters reflection = patchParameters(context, settings.patches, settings.seed).add(context.keys().reflection).add(settings.cache_rays);
   const TaskIndex radiosity = graph.add({"lightmap/radiosity", "radiosity", "lightmap/radiosity", reflection.text(), inputs, 16.0 * baker->patchCount(),
                                          [baker, count = tasks.direct.size()](const TaskInputs& in) {
                                            const auto views = viewsOf(in.inputs);

@@ -115,6 +115,7 @@ Outcome bakeWithin(const BakeContext& context, const Limits& limits, const std::
       say("time is up: the container keeps the error that it has");
       settings = attempts.outcome.settings;
     }
+    if (!error) diagnostics.warn("", "--target-error: only the errors of prm and radiosity are measured; what was baked has the quality's own");
     if (error && *error > *limits.target_error)
       diagnostics.warn(
           "", "the measured error is " + std::to_string(*error) + ", not the " + std::to_string(*limits.target_error) + " asked for");

@@ -11,7 +11,7 @@ namespace {
 constexpr uint32_t kProbesPerTask = 256;
 
 Parameters placeParameters(const BakeContext& context, const transport::RadiositySettings& radiosity, const transport::ProbeOptions& p) {
-  Parameters parameters = patchParameters(context, radiosity).add(p.spacing, p.budget, p.seed);
+  Parameters parameters = patchParameters(context, radiosity.patches, radiosity.seed).add(p.spacing, p.budget, p.seed);
   for (const Vec3& point : p.points) parameters.add(point.x, point.y, point.z);
   return parameters;
 }

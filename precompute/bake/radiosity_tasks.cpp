@@ -42,17 +42,16 @@ transport::RadiositySettings radiositySettings(const plan::Settings& settings) {
 }
 
 // Every stage knows the surfaces by their patches, which do not reach over from one material to the next.
-Parameters patchParameters(const BakeContext& context, const transport::RadiositySettings& s) {
+Parameters patchParameters(const BakeContext& context, const transport::PatchOptions& p, uint64_t seed) {
   KeyHasher materials;
   materials.addArray(context.scene().mesh.triangle_material.data(), context.scene().mesh.triangle_material.size());
-  const transport::PatchOptions& p = s.patches;
-  return Parameters(context.keys().geometry).add(materials.finish()).add(context.keys().portals).add(p.coarsest, p.finest, p.near_share, p.most, s.seed);
+  return Parameters(context.keys().geometry).add(materials.finish()).add(context.keys().portals).add(p.coarsest, p.finest, p.near_share, p.most, seed);
 }
 
 std::shared_ptr<const transport::RadiosityBaker> makeRadiosityBaker(const BakeContext& context, const transport::RadiositySettings& settings,
                                                                     TaskRunner& tasks) {
   TaskGraph graph(productVersion());
-  const TaskIndex patches = graph.add({"radiosity/patches", "patches", "radiosity/patches", patchParameters(context, settings).text(), {},
+  const TaskIndex patches = graph.add({"radiosity/patches", "patches", "radiosity/patches", patchParameters(context, settings.patches, settings.seed).text(), {},
                                        double(context.atlas().slots.size()), [&](const TaskInputs& in) {
                                          return transport::makePatchBytes(context.scene(), context.atlas(), *context.tracer(), settings,
                                                                           context.threads(), &in.cancel);
@@ -64,13 +63,13 @@ std::shared_ptr<const transport::RadiosityBaker> makeRadiosityBaker(const BakeCo
 RadiosityTasks addRadiosityTasks(TaskGraph& graph, const BakeContext& context, const transport::RadiositySettings& settings,
                                          std::shared_ptr<const transport::RadiosityBaker> baker) {
   const double patches = baker->patchCount();
-  const auto hits = addRange(graph, "radiosity", "hits", patchParameters(context, settings).add(settings.rays), baker->patchCount(), kPatchesPerTask, settings.rays, {},
+  const auto hits = addRange(graph, "radiosity", "hits", patchParameters(context, settings.patches, settings.seed).add(settings.rays), baker->patchCount(), kPatchesPerTask, settings.rays, {},
                              [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->hits(first, end); });
-  const auto direct = addRange(graph, "radiosity", "patch light", patchParameters(context, settings), baker->trainingLightCount(), kLightsPerTask, 4 * patches, {},
+  const auto direct = addRange(graph, "radiosity", "patch light", patchParameters(context, settings.patches, settings.seed), baker->trainingLightCount(), kLightsPerTask, 4 * patches, {},
                                [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->direct(first, end); });
   std::vector<TaskIndex> train_inputs = hits;
   train_inputs.insert(train_inputs.end(), direct.begin(), direct.end());
-  const auto train_parameters = patchParameters(context, settings).add(context.keys().reflection).add(settings.rays, settings.training_lights);
+  const auto train_parameters = patchParameters(context, settings.patches, settings.seed).add(context.keys().reflection).add(settings.rays, settings.training_lights);
   const TaskIndex train = graph.add({"radiosity/train", "form factors", "radiosity/train", train_parameters.text(), train_inputs,
                                      std::max(1.0, patches * settings.training_lights),
                                      [baker, count = hits.size()](const TaskInputs& in) {

@@ -12,7 +12,7 @@ namespace lightwell::bake {
 transport::RadiositySettings radiositySettings(const plan::Settings& settings);
 
 /// What every task that reads patches depends on.
-Parameters patchParameters(const BakeContext& context, const transport::RadiositySettings& settings);
+Parameters patchParameters(const BakeContext& context, const transport::PatchOptions& options, uint64_t seed);
 
 /// With the patches as a task of their own, run by `tasks`: how many of them there are says which other tasks there are. `context` must have a
 /// tracer and outlive the baker.

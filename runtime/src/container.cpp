@@ -53,6 +53,13 @@ bool isSourceMap(const uint32_t* source, uint64_t texels) {
   return true;
 }
 
+void fillFromSources(const uint32_t* source, size_t texels, float* rgba) {
+  for (size_t i = 0; i < texels; ++i) {
+    if (source[i] == kNone) std::memset(rgba + i * 4, 0, 4 * sizeof(float));
+    else if (source[i] != i) std::memcpy(rgba + i * 4, rgba + size_t(source[i]) * 4, 4 * sizeof(float));
+  }
+}
+
 namespace {
 
 template <class Parse>

@@ -50,6 +50,9 @@ bool allFinite(const float* values, size_t count);
 /// Every texel's source is a texel that is its own source, or none.
 bool isSourceMap(const uint32_t* source, uint64_t texels);
 
+/// Every texel of `rgba` ([texels][4]) shows what its source has; texels without one are zero. A value of its own that a buried texel may have is not shown.
+void fillFromSources(const uint32_t* source, size_t texels, float* rgba);
+
 inline constexpr uint32_t kNone = 0xffffffffu;
 
 }  // namespace lightwell::runtime

@@ -82,10 +82,6 @@ lw_result lw_lightmap_shade(const lw_lightmap* map, const lw_lightmap_shading* g
     if (shading.light & LW_LIGHTMAP_INDIRECT) add(map->indirect, i, texel);
     texel[3] = 1.0f;
   }
-  if (!shading.fill) return LW_OK;
-  for (size_t i = 0; i < map->source.size(); ++i) {
-    if (map->source[i] == kNone) std::memset(atlas_rgba + i * 4, 0, 4 * sizeof(float));
-    else if (map->source[i] != i) std::memcpy(atlas_rgba + i * 4, atlas_rgba + size_t(map->source[i]) * 4, 4 * sizeof(float));
-  }
+  if (shading.fill) fillFromSources(map->source.data(), map->source.size(), atlas_rgba);
   return LW_OK;
 }

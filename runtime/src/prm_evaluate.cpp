@@ -151,15 +151,6 @@ void addConstant(const lw_prm& prm, const Array<uint32_t>& pane_rgb9e5, const fl
   }
 }
 
-/// Every texel shows its source's value; a value of its own that a buried texel may have is not shown.
-void applySources(const lw_prm& prm, float* rgba) {
-  const size_t texels = prm.source.size();
-  for (size_t i = 0; i < texels; ++i) {
-    if (prm.source[i] == kNone) std::memset(rgba + i * 4, 0, 4 * sizeof(float));
-    else if (prm.source[i] != i) std::memcpy(rgba + i * 4, rgba + size_t(prm.source[i]) * 4, 4 * sizeof(float));
-  }
-}
-
 }  // namespace
 }  // namespace lightwell::runtime
 
@@ -196,6 +187,6 @@ lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb
   if (options.emitters & LW_EMITTERS_INDIRECT) addConstant(*prm, prm->emitter_indirect_rgb9e5, once, atlas_rgba);
   if (options.emitters & LW_SKY_DIRECT) addConstant(*prm, prm->sky_direct_rgb9e5, sky_rgb, atlas_rgba);
   if (options.emitters & LW_SKY_INDIRECT) addConstant(*prm, prm->sky_indirect_rgb9e5, sky_rgb, atlas_rgba);
-  if (options.fill) applySources(*prm, atlas_rgba);
+  if (options.fill) fillFromSources(prm->source.data(), prm->source.size(), atlas_rgba);
   return LW_OK;
 }

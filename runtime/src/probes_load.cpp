@@ -3,8 +3,8 @@
 #include <cstring>
 
 #include "format/decode/pixel.h"
-#include "runtime/src/container.h"
 #include "runtime/src/probes.h"
+#include "runtime/src/section_loader.h"
 
 namespace lightwell::runtime {
 namespace {
@@ -14,9 +14,9 @@ using format::ElementType;
 constexpr uint64_t kMostLatticePoints = uint64_t(1) << 22;
 
 /// Decodes the section "probes" chunk by chunk; the first failure stays in `result`.
-class Loader {
+class Loader : SectionLoader {
  public:
-  Loader(const lw_container& container, const lw_radiosity& radiosity, lw_probes& probes) : container_(container), radiosity_(radiosity), p_(probes) {}
+  Loader(const lw_container& container, const lw_radiosity& radiosity, lw_probes& probes) : SectionLoader(container, "probes"), radiosity_(radiosity), p_(probes) {}
 
   lw_result load() {
     loadHeader();
@@ -27,34 +27,6 @@ class Loader {
   }
 
  private:
-  lw_result bad(const char* chunk, const char* reason) { return result_ = container_.host.fail(LW_BAD_SECTION, "probes/%s: %s", chunk, reason); }
-  void require(bool good, const char* chunk, const char* reason) {
-    if (!result_ && !good) bad(chunk, reason);
-  }
-  template <class T>
-  bool decode(const char* name, ElementType element, uint64_t elements, Array<T>& values) {
-    if (!result_) result_ = decodeChunk(container_, "probes", name, element, elements, values);
-    return !result_;
-  }
-  uint64_t elementsOf(const char* name) {
-    const format::ChunkInfo* chunk = result_ ? nullptr : container_.view.findChunk("probes", name);
-    require(chunk != nullptr, name, "the chunk is missing");
-    require(!chunk || chunk->elements <= UINT32_MAX, name, "it is too long");
-    return chunk && !result_ ? chunk->elements : 0;
-  }
-  template <class T>
-  bool allocate(Array<T>& values, size_t count) {
-    if (result_) return false;
-    if (values.allocate(container_.host, count)) return true;
-    result_ = container_.host.fail(LW_OUT_OF_MEMORY, "probes: no memory for %zu values", count);
-    return false;
-  }
-  static bool areOffsets(const Array<uint32_t>& first, uint64_t end) {
-    bool good = !first.empty() && first[0] == 0 && first[first.size() - 1] == end;
-    for (size_t i = 0; good && i + 1 < first.size(); ++i) good = first[i + 1] >= first[i];
-    return good;
-  }
-
   void loadHeader() {
     const format::ChunkInfo* chunk = nullptr;
     if ((result_ = findChunk(container_, "probes", "header", chunk))) return;
@@ -125,14 +97,7 @@ class Loader {
   void loadGateSets() {
     if (result_ || !container_.view.findChunk("probes", "link_gates")) return;
     gated_ = true;
-    const uint64_t firsts = elementsOf("gate_set_first"), entries = elementsOf("gate_set");
-    require(firsts >= 2 && firsts <= 65537, "gate_set_first", "the number of sets cannot be");
-    if (!decode("gate_set_first", ElementType::u32, firsts, p_.gate_set_first) || !decode("gate_set", ElementType::u16, entries, p_.gate_set)) return;
-    p_.gate_sets = uint32_t(firsts) - 1;
-    require(areOffsets(p_.gate_set_first, entries) && p_.gate_set_first[1] == 0, "gate_set_first", "it does not split the gates, or set 0 is not empty");
-    bool good = true;
-    for (const uint16_t g : p_.gate_set) good &= g / 2u < p_.gates;
-    require(good, "gate_set", "an entry is no gate");
+    SectionLoader::loadGateSets(p_.gates, p_.gate_sets, p_.gate_set_first, p_.gate_set);
   }
 
   /// Means of the patches' positions by area.
@@ -197,11 +162,9 @@ class Loader {
     }
   }
 
-  const lw_container& container_;
   const lw_radiosity& radiosity_;
   lw_probes& p_;
   bool gated_ = false;
-  lw_result result_ = LW_OK;
 };
 
 }  // namespace

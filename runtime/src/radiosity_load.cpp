@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "format/decode/pixel.h"
-#include "runtime/src/container.h"
 #include "runtime/src/radiosity.h"
+#include "runtime/src/section_loader.h"
 
 namespace lightwell::runtime {
 namespace {
@@ -15,9 +15,9 @@ using format::ElementType;
 constexpr uint32_t kMostMaterials = 65536, kMostGates = 32768;
 
 /// Decodes the section "radiosity" chunk by chunk; the first failure stays in `result`.
-class Loader {
+class Loader : SectionLoader {
  public:
-  Loader(const lw_container& container, lw_radiosity& radiosity) : container_(container), r_(radiosity) {}
+  Loader(const lw_container& container, lw_radiosity& radiosity) : SectionLoader(container, "radiosity"), r_(radiosity) {}
 
   lw_result load() {
     loadHeader();
@@ -31,37 +31,6 @@ class Loader {
   }
 
  private:
-  lw_result bad(const char* chunk, const char* reason) {
-    return result_ = container_.host.fail(LW_BAD_SECTION, "radiosity/%s: %s", chunk, reason);
-  }
-  void require(bool good, const char* chunk, const char* reason) {
-    if (!result_ && !good) bad(chunk, reason);
-  }
-  template <class T>
-  bool decode(const char* name, ElementType element, uint64_t elements, Array<T>& values) {
-    if (!result_) result_ = decodeChunk(container_, "radiosity", name, element, elements, values);
-    return !result_;
-  }
-  /// The number of elements of a chunk whose size no header gives.
-  uint64_t elementsOf(const char* name) {
-    const format::ChunkInfo* chunk = result_ ? nullptr : container_.view.findChunk("radiosity", name);
-    require(chunk != nullptr, name, "the chunk is missing");
-    require(!chunk || chunk->elements <= UINT32_MAX, name, "it is too long");
-    return chunk && !result_ ? chunk->elements : 0;
-  }
-  template <class T>
-  bool allocate(Array<T>& values, size_t count) {
-    if (result_) return false;
-    if (values.allocate(container_.host, count)) return true;
-    result_ = container_.host.fail(LW_OUT_OF_MEMORY, "radiosity: no memory for %zu values", count);
-    return false;
-  }
-  static bool areOffsets(const Array<uint32_t>& first, uint64_t end) {
-    bool good = !first.empty() && first[0] == 0 && first[first.size() - 1] == end;
-    for (size_t i = 0; good && i + 1 < first.size(); ++i) good = first[i + 1] >= first[i];
-    return good;
-  }
-
   void loadHeader() {
     const format::ChunkInfo* chunk = nullptr;
     if ((result_ = findChunk(container_, "radiosity", "header", chunk))) return;
@@ -163,15 +132,7 @@ class Loader {
   }
 
   void loadGateSets() {
-    if (!r_.gates) return;
-    const uint64_t firsts = elementsOf("gate_set_first"), entries = elementsOf("gate_set");
-    require(firsts >= 2 && firsts <= 65537, "gate_set_first", "the number of sets cannot be");
-    if (!decode("gate_set_first", ElementType::u32, firsts, r_.gate_set_first) || !decode("gate_set", ElementType::u16, entries, r_.gate_set)) return;
-    r_.gate_sets = uint32_t(firsts) - 1;
-    require(areOffsets(r_.gate_set_first, entries) && r_.gate_set_first[1] == 0, "gate_set_first", "it does not split the gates, or set 0 is not empty");
-    bool good = true;
-    for (const uint16_t g : r_.gate_set) good &= g / 2u < r_.gates;
-    require(good, "gate_set", "an entry is no gate");
+    if (r_.gates) SectionLoader::loadGateSets(r_.gates, r_.gate_sets, r_.gate_set_first, r_.gate_set);
   }
 
   void loadLinks() {
@@ -235,9 +196,7 @@ class Loader {
     require(patches_good, "texel_patch", "a texel belongs to no patch");
   }
 
-  const lw_container& container_;
   lw_radiosity& r_;
-  lw_result result_ = LW_OK;
 };
 
 }  // namespace

@@ -27,10 +27,6 @@ lw_result lw_radiosity_shade(lw_radiosity_state* state, const lw_radiosity_shadi
     for (int c = 0; c < 3; ++c) texel[c] = sum[c] * scale;
     texel[3] = 1.0f;
   }
-  if (!shading.fill) return LW_OK;
-  for (size_t i = 0; i < r.source.size(); ++i) {
-    if (r.source[i] == kNone) std::memset(atlas_rgba + i * 4, 0, 4 * sizeof(float));
-    else if (r.source[i] != i) std::memcpy(atlas_rgba + i * 4, atlas_rgba + size_t(r.source[i]) * 4, 4 * sizeof(float));
-  }
+  if (shading.fill) fillFromSources(r.source.data(), r.source.size(), atlas_rgba);
   return LW_OK;
 }

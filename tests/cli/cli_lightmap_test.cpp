@@ -75,5 +75,17 @@ TEST_F(CliLightmapTest, TheBytesDoNotDependOnThreads) {
   EXPECT_EQ(readFile(path("m1.lwc")), readFile(path("m5.lwc")));
 }
 
+TEST_F(CliLightmapTest, WhatIsKeptOfAnotherBakeIsOnlyWhatIsTheSame) {
+  writeFile(path("lamp.gltf"), roomGltf({.albedo = 0.7, .lamp_candela = 1, .shutter = true, .shutter_marked = false}));
+  run(bakeTo("m.lwc", {"--cache", path("cache")}));
+  run(bakeTo("kept.lwc", {"--portal", "shut*", "--cache", path("cache")}));
+  run(bakeTo("clean.lwc", {"--portal", "shut*"}));
+  EXPECT_EQ(readFile(path("kept.lwc")), readFile(path("clean.lwc")));
+}
+
+TEST_F(CliLightmapTest, ATargetThatNothingMeasuresIsSaid) {
+  EXPECT_THAT(run(bakeTo("m.lwc", {"--target-error", "0.05"})).err, HasSubstr("--target-error: only"));
+}
+
 }  // namespace
 }  // namespace lightwell::test

@@ -12,32 +12,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-RoomOptions box(uint32_t cells = 5) {
-  RoomOptions options;
-  options.walls = boxWalls({-1, 0, -2}, {2, 2.5, 2}, cells, 0.5, 0);
-  return options;
-}
-
-/// A box with a leaf across it, 4 × 4 patches, that opens along +z.
-RoomOptions boxWithLeaf() {
-  RoomOptions options = box(4);
-  options.walls.push_back({{0.5, 0, -2}, {0, 0, 4}, {0, 2.5, 0}, 4, 0.5, 0});
-  options.strips = 8;
-  options.leaf_wall = 6;
-  options.gate_sets = {{}};
-  return options;
-}
-
-lw_light pointLight(double x, double y, double z, double candela) {
-  lw_light light{};
-  light.type = LW_LIGHT_POINT;
-  light.position_m[0] = float(x), light.position_m[1] = float(y), light.position_m[2] = float(z);
-  light.direction[1] = -1;
-  light.outer_cone_angle_rad = 0.6f;
-  for (int k = 0; k < 3; ++k) light.intensity_rgb[k] = float(candela * (k + 1));
-  return light;
-}
-
 lw_light spotLight(float inner, float outer) {
   lw_light spot = pointLight(0.3, 1.1, -0.4, 10);
   spot.type = LW_LIGHT_SPOT;
@@ -158,7 +132,9 @@ TEST_P(GlInjection, DrawsLeavesAsFarAsTheyAreOpen) {
     ASSERT_EQ(lw_gl_radiosity_upload(gpu, room.state, LW_GL_RADIOSITY_PORTALS), LW_OK);
     const auto cpu_rgb = onCpu(room, 128, lamp);
     EXPECT_LT(relrmse(inject(room, lamp), cpu_rgb), 2e-3) << open;
-    if (open > 0) EXPECT_GT(relrmse(cpu_rgb, shut_rgb), 0.01) << open;
+    if (open > 0) {
+      EXPECT_GT(relrmse(cpu_rgb, shut_rgb), 0.01) << open;
+    }
   }
 }
 

@@ -39,4 +39,32 @@ struct LoadedRoom {
   lw_radiosity_info info{};
 };
 
+/// A box of 3 × 2.5 × 4 m, no light inside.
+inline RoomOptions box(uint32_t cells = 5) {
+  RoomOptions options;
+  options.walls = boxWalls({-1, 0, -2}, {2, 2.5, 2}, cells, 0.5, 0);
+  return options;
+}
+
+/// A box with a leaf across it, 4 × 4 patches, that opens along +z.
+inline RoomOptions boxWithLeaf() {
+  RoomOptions options = box(4);
+  options.walls.push_back({{0.5, 0, -2}, {0, 0, 4}, {0, 2.5, 0}, 4, 0.5, 0});
+  options.strips = 8;
+  options.leaf_wall = 6;
+  options.gate_sets = {{}};
+  return options;
+}
+
+/// One, two and three times as many candela in red, green and blue.
+inline lw_light pointLight(double x, double y, double z, double candela) {
+  lw_light light{};
+  light.type = LW_LIGHT_POINT;
+  light.position_m[0] = float(x), light.position_m[1] = float(y), light.position_m[2] = float(z);
+  light.direction[1] = -1;
+  light.outer_cone_angle_rad = 0.6f;
+  for (int k = 0; k < 3; ++k) light.intensity_rgb[k] = float(candela * (k + 1));
+  return light;
+}
+
 }  // namespace lightwell::test

@@ -63,12 +63,5 @@ uint32_t lw_gl_lightmap_texture(const lw_gl_lightmap* map) { return map ? map->a
 uint64_t lw_gl_lightmap_texture_bytes(const lw_gl_lightmap* map) { return map ? map->texture_bytes : 0; }
 
 lw_result lw_gl_lightmap_read(lw_gl_lightmap* map, float* rgba) {
-  if (!map || !rgba) return LW_INVALID_ARGUMENT;
-  const gl::Api& api = map->context->api;
-  const gl::StateGuard guard(api);
-  api.clearErrors();
-  api.BindFramebuffer(gl::kReadFramebuffer, map->atlas.framebuffer);
-  api.ReadPixels(0, 0, map->atlas.width, map->atlas.height, gl::kRgba, gl::kFloat, rgba);
-  const gl::Enum error = api.GetError();
-  return error == gl::kNoError ? LW_OK : map->host.fail(LW_GL_FAILED, "reading back: GL error 0x%04x", error);
+  return map && rgba ? gl::readTarget(map->context->api, map->host, map->atlas, rgba) : LW_INVALID_ARGUMENT;
 }

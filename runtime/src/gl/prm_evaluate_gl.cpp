@@ -97,22 +97,11 @@ void reconstruct(const lw_gl_prm& prm, const lw_prm_options& options) {
   drawInto(prm, prm.atlas);
 }
 
-/// Reads a float target as RGBA.
-lw_result readRgba(const lw_gl_prm& prm, const Target& target, float* rgba) {
-  const Api& api = prm.context->api;
-  const StateGuard guard(api);
-  api.clearErrors();
-  api.BindFramebuffer(kReadFramebuffer, target.framebuffer);
-  api.ReadPixels(0, 0, target.width, target.height, kRgba, kFloat, rgba);
-  const Enum error = api.GetError();
-  return error == kNoError ? LW_OK : prm.host.fail(LW_GL_FAILED, "reading back: GL error 0x%04x", error);
-}
-
 lw_result readRgb(const lw_gl_prm& prm, const Target& target, uint32_t count, float* rgb) {
   Array<float> rgba;
   if (!rgba.allocate(prm.host, size_t(target.width) * size_t(target.height) * 4))
     return prm.host.fail(LW_OUT_OF_MEMORY, "no memory to read back %u values", count);
-  if (const lw_result result = readRgba(prm, target, rgba.data())) return result;
+  if (const lw_result result = readTarget(prm.context->api, prm.host, target, rgba.data())) return result;
   for (size_t i = 0; i < count; ++i) std::memcpy(rgb + i * 3, &rgba[i * 4], 3 * sizeof(float));
   return LW_OK;
 }
@@ -183,5 +172,5 @@ lw_result lw_gl_read_clusters(lw_gl_prm* prm, float* rgb) {
 }
 
 lw_result lw_gl_read_atlas(lw_gl_prm* prm, float* rgba) {
-  return prm && rgba ? readRgba(*prm, prm->atlas, rgba) : LW_INVALID_ARGUMENT;
+  return prm && rgba ? readTarget(prm->context->api, prm->host, prm->atlas, rgba) : LW_INVALID_ARGUMENT;
 }

@@ -80,21 +80,11 @@ void sweep(lw_gl_radiosity& r, const float* omega) {
   r.current = next;
 }
 
-lw_result read(const lw_gl_radiosity& r, const Target& target, float* rgba) {
-  const Api& api = r.context->api;
-  const StateGuard guard(api);
-  api.clearErrors();
-  api.BindFramebuffer(kReadFramebuffer, target.framebuffer);
-  api.ReadPixels(0, 0, target.width, target.height, kRgba, kFloat, rgba);
-  const Enum error = api.GetError();
-  return error == kNoError ? LW_OK : r.host.fail(LW_GL_FAILED, "reading back: GL error 0x%04x", error);
-}
-
 /// By patch, [patches][3].
 lw_result readPatches(const lw_gl_radiosity& r, const Target& target, float* rgb) {
   Array<float> rgba;
   if (!rgba.allocate(r.host, size_t(target.width) * size_t(target.height) * 4)) return r.host.fail(LW_OUT_OF_MEMORY, "no memory to read back %u values", r.patches);
-  if (const lw_result result = read(r, target, rgba.data())) return result;
+  if (const lw_result result = readTarget(r.context->api, r.host, target, rgba.data())) return result;
   for (size_t i = 0; i < r.patches; ++i)
     for (size_t k = 0; k < 3; ++k) rgb[i * 3 + k] = std::max(rgba[i * 4 + k], 0.0f);
   return LW_OK;
@@ -171,4 +161,4 @@ lw_result lw_gl_radiosity_shade(lw_gl_radiosity* r, const lw_radiosity_shading* 
 
 lw_result lw_gl_radiosity_read_irradiance(lw_gl_radiosity* r, float* rgb) { return r && rgb ? gl::readPatches(*r, r->irradiance[r->current], rgb) : LW_INVALID_ARGUMENT; }
 lw_result lw_gl_radiosity_read_direct(lw_gl_radiosity* r, float* rgb) { return r && rgb ? gl::readPatches(*r, r->direct, rgb) : LW_INVALID_ARGUMENT; }
-lw_result lw_gl_radiosity_read_atlas(lw_gl_radiosity* r, float* rgba) { return r && rgba ? gl::read(*r, r->atlas, rgba) : LW_INVALID_ARGUMENT; }
+lw_result lw_gl_radiosity_read_atlas(lw_gl_radiosity* r, float* rgba) { return r && rgba ? gl::readTarget(r->context->api, r->host, r->atlas, rgba) : LW_INVALID_ARGUMENT; }

@@ -1,5 +1,7 @@
 #include "runtime/src/gl/texture.h"
 
+#include "runtime/src/gl/state.h"
+
 #include <algorithm>
 
 #include "runtime/src/gl/shaders.h"
@@ -109,6 +111,15 @@ lw_result createLayeredTarget(const Api& api, const Host& host, const TexelForma
   }
   api.DrawBuffers(4, buffers);
   return checkFramebuffer(api, host);
+}
+
+lw_result readTarget(const Api& api, const Host& host, const Target& target, float* rgba) {
+  const StateGuard guard(api);
+  api.clearErrors();
+  api.BindFramebuffer(kReadFramebuffer, target.framebuffer);
+  api.ReadPixels(0, 0, target.width, target.height, kRgba, kFloat, rgba);
+  const Enum error = api.GetError();
+  return error == kNoError ? LW_OK : host.fail(LW_GL_FAILED, "reading back: GL error 0x%04x", error);
 }
 
 void clearTarget(const Api& api, const Target& target) {

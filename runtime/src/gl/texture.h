@@ -43,6 +43,8 @@ lw_result createLayeredTarget(const Api& api, const Host& host, const TexelForma
                               uint64_t& texture_bytes);
 /// A framebuffer around a texture that exists.
 lw_result attachTarget(const Api& api, const Host& host, Target& target);
+/// Reads a float target, [height][width][4]. Waits for the GPU; saves and restores state. Fails with LW_GL_FAILED.
+lw_result readTarget(const Api& api, const Host& host, const Target& target, float* rgba);
 /// Sets all elements of a float target to zero.
 void clearTarget(const Api& api, const Target& target);
 void destroyTarget(const Api& api, Target& target);
