@@ -515,7 +515,9 @@ typedef struct lw_lightmap_shading {
 } lw_lightmap_shading;
 #define LW_LIGHTMAP_SHADING_INIT {sizeof(lw_lightmap_shading), LW_LIGHTMAP_DIRECT | LW_LIGHTMAP_INDIRECT, 1}
 
-/* shading: NULL for LW_LIGHTMAP_SHADING_INIT. atlas_rgba: [height][width][4], as lw_prm_evaluate gives it. */
+/* The map as it is shown. Fails with LW_INVALID_ARGUMENT for values out of range.
+ *
+ * shading: NULL for LW_LIGHTMAP_SHADING_INIT. atlas_rgba: [height][width][4], irradiance and coverage as lw_prm_evaluate gives them. */
 LW_API lw_result lw_lightmap_shade(const lw_lightmap *lightmap, const lw_lightmap_shading *shading, float *atlas_rgba);
 
 /* ---- Virtual lights --------------------------------------------------------------------------------------------------------------- */

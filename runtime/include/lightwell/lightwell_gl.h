@@ -249,9 +249,10 @@ typedef struct lw_gl_lightmap_options {
 /* `lightmap` is not used afterwards. Fails with LW_LIMIT_EXCEEDED, LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT. */
 LW_API lw_result lw_gl_lightmap_create(lw_gl *gl, const lw_lightmap *lightmap, const lw_gl_lightmap_options *options, lw_gl_lightmap **gl_lightmap);
 LW_API void lw_gl_lightmap_destroy(lw_gl_lightmap *gl_lightmap);
+/* As lw_gl_prm_atlas_texture and lw_gl_prm_texture_bytes; 0 for NULL. */
 LW_API uint32_t lw_gl_lightmap_texture(const lw_gl_lightmap *gl_lightmap);
 LW_API uint64_t lw_gl_lightmap_texture_bytes(const lw_gl_lightmap *gl_lightmap);
-/* For tools and tests; waits for the GPU. rgba: [height][width][4]. */
+/* For tools and tests; waits for the GPU. Fails with LW_GL_FAILED. rgba: [height][width][4]. */
 LW_API lw_result lw_gl_lightmap_read(lw_gl_lightmap *gl_lightmap, float *rgba);
 
 /* ---- Probes ----------------------------------------------------------------------------------------------------------------------- */
