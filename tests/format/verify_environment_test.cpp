@@ -2,27 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
 #include "format/decode/headers.h"
-#include "format/encode/verify.h"
+#include "tests/format/breach.h"
 #include "tests/format/environment_content.h"
-#include "tests/format/listed.h"
 
 namespace lightwell::format {
 namespace {
 
-struct Breach {
-  const char* name;
-  IssueId id;
-  const char* place;
-  std::function<void(EnvironmentContent&)> spoil;
-};
-
-std::vector<Issue> issuesOf(const EnvironmentContent& content) {
-  const std::vector<uint8_t> file = toWriter(content).bytes();
-  return verify(memorySource(file.data(), file.size()));
-}
+using Breach = BreachOf<EnvironmentContent>;
 
 const std::vector<Breach>& breaches() {
   using C = EnvironmentContent;
@@ -63,16 +51,7 @@ TEST(VerifyEnvironment, SoundContentHasNoIssues) { EXPECT_EQ(listed(issuesOf(env
 
 class EnvironmentInvariant : public testing::TestWithParam<size_t> {};
 
-TEST_P(EnvironmentInvariant, IsHeld) {
-  const Breach& breach = breaches()[GetParam()];
-  EnvironmentContent content = environmentContent();
-  breach.spoil(content);
-  const std::vector<Issue> issues = issuesOf(content);
-  ASSERT_EQ(issues.size(), 1u) << listed(issues);
-  EXPECT_EQ(issues[0].id, breach.id) << listed(issues);
-  EXPECT_EQ(issues[0].place, breach.place);
-  EXPECT_EQ(issues[0].status, Status::bad_section);
-}
+TEST_P(EnvironmentInvariant, IsHeld) { expectNamed(breaches()[GetParam()], environmentContent()); }
 
 INSTANTIATE_TEST_SUITE_P(Breach, EnvironmentInvariant, testing::Range(size_t(0), breaches().size()),
                          [](const auto& info) { return std::string(breaches()[info.param].name); });

@@ -1,26 +1,14 @@
 // Each invariant of the section lightmap, broken once: verify names the chunk and the issue, and nothing else is wrong with the file.
 #include <gtest/gtest.h>
 
-#include <functional>
 
-#include "format/encode/verify.h"
+#include "tests/format/breach.h"
 #include "tests/format/lightmap_content.h"
-#include "tests/format/listed.h"
 
 namespace lightwell::format {
 namespace {
 
-struct Breach {
-  const char* name;
-  IssueId id;
-  const char* place;
-  std::function<void(LightmapContent&)> spoil;
-};
-
-std::vector<Issue> issuesOf(const LightmapContent& content) {
-  const std::vector<uint8_t> file = toWriter(content).bytes();
-  return verify(memorySource(file.data(), file.size()));
-}
+using Breach = BreachOf<LightmapContent>;
 
 const std::vector<Breach>& breaches() {
   using C = LightmapContent;
@@ -45,14 +33,7 @@ TEST(VerifyLightmap, FindsNothingWrong) {
 
 class VerifyLightmapBreach : public testing::TestWithParam<Breach> {};
 
-TEST_P(VerifyLightmapBreach, IsNamed) {
-  LightmapContent content = lightmapContent();
-  GetParam().spoil(content);
-  const auto issues = issuesOf(content);
-  ASSERT_EQ(issues.size(), 1u) << listed(issues);
-  EXPECT_EQ(issues[0].id, GetParam().id) << listed(issues);
-  EXPECT_EQ(issues[0].place, GetParam().place) << listed(issues);
-}
+TEST_P(VerifyLightmapBreach, IsNamed) { expectNamed(GetParam(), lightmapContent()); }
 
 INSTANTIATE_TEST_SUITE_P(All, VerifyLightmapBreach, testing::ValuesIn(breaches()), [](const auto& info) { return std::string(info.param.name); });
 

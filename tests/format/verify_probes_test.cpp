@@ -2,26 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
-#include "format/encode/verify.h"
-#include "tests/format/listed.h"
+#include "tests/format/breach.h"
 #include "tests/format/probes_content.h"
 
 namespace lightwell::format {
 namespace {
 
-struct Breach {
-  const char* name;
-  IssueId id;
-  const char* place;
-  std::function<void(ProbesContent&)> spoil;
-};
-
-std::vector<Issue> issuesOf(const ProbesContent& content) {
-  const std::vector<uint8_t> file = toWriter(content).bytes();
-  return verify(memorySource(file.data(), file.size()));
-}
+using Breach = BreachOf<ProbesContent>;
 
 const std::vector<Breach>& breaches() {
   using C = ProbesContent;
@@ -64,14 +52,7 @@ TEST(VerifyProbes, FindsNothingWrong) {
 
 class VerifyProbesBreach : public testing::TestWithParam<Breach> {};
 
-TEST_P(VerifyProbesBreach, IsNamed) {
-  ProbesContent content = probesContent();
-  GetParam().spoil(content);
-  const auto issues = issuesOf(content);
-  ASSERT_EQ(issues.size(), 1u) << listed(issues);
-  EXPECT_EQ(issues[0].id, GetParam().id) << listed(issues);
-  EXPECT_EQ(issues[0].place, GetParam().place) << listed(issues);
-}
+TEST_P(VerifyProbesBreach, IsNamed) { expectNamed(GetParam(), probesContent()); }
 
 INSTANTIATE_TEST_SUITE_P(All, VerifyProbesBreach, testing::ValuesIn(breaches()), [](const auto& info) { return std::string(info.param.name); });
 

@@ -1,26 +1,14 @@
 // Each invariant of the section vpl, broken once: verify names the chunk and the issue, and nothing else is wrong with the file.
 #include <gtest/gtest.h>
 
-#include <functional>
 
-#include "format/encode/verify.h"
-#include "tests/format/listed.h"
+#include "tests/format/breach.h"
 #include "tests/format/vpl_content.h"
 
 namespace lightwell::format {
 namespace {
 
-struct Breach {
-  const char* name;
-  IssueId id;
-  const char* place;
-  std::function<void(VplContent&)> spoil;
-};
-
-std::vector<Issue> issuesOf(const VplContent& content) {
-  const std::vector<uint8_t> file = toWriter(content).bytes();
-  return verify(memorySource(file.data(), file.size()));
-}
+using Breach = BreachOf<VplContent>;
 
 const std::vector<Breach>& breaches() {
   using C = VplContent;
@@ -56,14 +44,7 @@ TEST(VerifyVpl, FindsNothingWrong) {
 
 class VerifyVplBreach : public testing::TestWithParam<Breach> {};
 
-TEST_P(VerifyVplBreach, IsNamed) {
-  VplContent content = vplContent();
-  GetParam().spoil(content);
-  const auto issues = issuesOf(content);
-  ASSERT_EQ(issues.size(), 1u) << listed(issues);
-  EXPECT_EQ(issues[0].id, GetParam().id) << listed(issues);
-  EXPECT_EQ(issues[0].place, GetParam().place) << listed(issues);
-}
+TEST_P(VerifyVplBreach, IsNamed) { expectNamed(GetParam(), vplContent()); }
 
 INSTANTIATE_TEST_SUITE_P(All, VerifyVplBreach, testing::ValuesIn(breaches()), [](const auto& info) { return std::string(info.param.name); });
 

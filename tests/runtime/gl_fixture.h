@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/runtime/gl_context.h"
+#include "tests/runtime/gl_test.h"
 #include "tests/runtime/support.h"
 #include "tests/runtime/synthetic_prm.h"
 
@@ -14,22 +14,8 @@ namespace lightwell::test {
 
 using GlPrm = std::unique_ptr<lw_gl_prm, decltype(&lw_gl_prm_destroy)>;
 
-class GlFixture : public testing::TestWithParam<Api> {
+class GlFixture : public GlTest {
  protected:
-  GlFixture() : context(GetParam()) {}
-  void SetUp() override {
-    ASSERT_TRUE(context.good()) << "no surfaceless EGL context";
-    lw_gl_config config = LW_GL_CONFIG_INIT;
-    config.loader = GlContext::load;
-    config.message = [](void* user, lw_result, const char* text) { *static_cast<std::string*>(user) = text; };
-    config.message_user = &message;
-    ASSERT_EQ(lw_gl_create(&config, &gl), LW_OK) << message;
-  }
-  void TearDown() override {
-    EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
-    lw_gl_destroy(gl);
-  }
-
   void load(const SyntheticOptions& options) {
     synthetic = makeSyntheticPrm(options);
     container = openMemory(synthetic.container);
@@ -53,9 +39,6 @@ class GlFixture : public testing::TestWithParam<Api> {
     return rgb;
   }
 
-  GlContext context;
-  std::string message;
-  lw_gl* gl = nullptr;
   SyntheticPrm synthetic;
   Container container{nullptr, lw_close};
   Prm prm{nullptr, lw_prm_release};

@@ -2,35 +2,19 @@
 #include <cmath>
 #include <random>
 
-#include "tests/runtime/gl_context.h"
+#include "tests/runtime/gl_test.h"
 #include "tests/runtime/gl_program.h"
 #include "tests/runtime/probes_fixture.h"
 
 namespace lightwell::test {
 namespace {
 
-double relrmse(const std::vector<float>& a, const std::vector<float>& b) {
-  double difference = 0, square = 0;
-  for (size_t i = 0; i < b.size(); ++i) difference += std::pow(double(a[i]) - double(b[i]), 2), square += std::pow(double(b[i]), 2);
-  return square > 0 ? std::sqrt(difference / square) : std::sqrt(difference);
-}
-
-class GlProbes : public testing::TestWithParam<Api> {
+class GlProbes : public GlTest {
  protected:
-  GlProbes() : context(GetParam()) {}
-  void SetUp() override {
-    ASSERT_TRUE(context.good()) << "no surfaceless EGL context";
-    lw_gl_config config = LW_GL_CONFIG_INIT;
-    config.loader = GlContext::load;
-    config.message = [](void* user, lw_result, const char* text) { *static_cast<std::string*>(user) = text; };
-    config.message_user = &message;
-    ASSERT_EQ(lw_gl_create(&config, &gl), LW_OK) << message;
-  }
   void TearDown() override {
     lw_gl_probes_destroy(gpu);
     lw_gl_radiosity_destroy(radiosity);
-    EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
-    lw_gl_destroy(gl);
+    GlTest::TearDown();
   }
   /// Lit from one corner, with all bounces on both.
   void upload(LoadedProbes& p, uint32_t coefficients) {
@@ -54,9 +38,6 @@ class GlProbes : public testing::TestWithParam<Api> {
     return sh;
   }
 
-  GlContext context;
-  std::string message;
-  lw_gl* gl = nullptr;
   lw_gl_radiosity* radiosity = nullptr;
   lw_gl_probes* gpu = nullptr;
 };

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/runtime/gl_context.h"
+#include "tests/runtime/gl_test.h"
 #include "tests/runtime/radiosity_fixture.h"
 
 namespace lightwell::test {
@@ -20,27 +20,11 @@ RoomOptions colouredRoom(double albedo) {
   return options;
 }
 
-double relrmse(const std::vector<float>& a, const std::vector<float>& b) {
-  double difference = 0, square = 0;
-  for (size_t i = 0; i < b.size(); ++i) difference += std::pow(double(a[i]) - double(b[i]), 2), square += std::pow(double(b[i]), 2);
-  return square > 0 ? std::sqrt(difference / square) : std::sqrt(difference);
-}
-
-class GlRadiosity : public testing::TestWithParam<Api> {
+class GlRadiosity : public GlTest {
  protected:
-  GlRadiosity() : context(GetParam()) {}
-  void SetUp() override {
-    ASSERT_TRUE(context.good()) << "no surfaceless EGL context";
-    lw_gl_config config = LW_GL_CONFIG_INIT;
-    config.loader = GlContext::load;
-    config.message = [](void* user, lw_result, const char* text) { *static_cast<std::string*>(user) = text; };
-    config.message_user = &message;
-    ASSERT_EQ(lw_gl_create(&config, &gl), LW_OK) << message;
-  }
   void TearDown() override {
     lw_gl_radiosity_destroy(gpu);
-    EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
-    lw_gl_destroy(gl);
+    GlTest::TearDown();
   }
   void upload(const LoadedRoom& room) {
     lw_gl_radiosity_options options = LW_GL_RADIOSITY_OPTIONS_INIT;
@@ -53,9 +37,6 @@ class GlRadiosity : public testing::TestWithParam<Api> {
     return rgb;
   }
 
-  GlContext context;
-  std::string message;
-  lw_gl* gl = nullptr;
   lw_gl_radiosity* gpu = nullptr;
 };
 
