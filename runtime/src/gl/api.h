@@ -64,6 +64,8 @@ inline constexpr uint32_t kInvalidIndex = 0xffffffffu;
   X(void, BindVertexArray, (Name array)) \
   X(void, BlendEquationSeparate, (Enum rgb, Enum alpha)) \
   X(void, BlendFuncSeparate, (Enum source_rgb, Enum target_rgb, Enum source_alpha, Enum target_alpha)) \
+  X(void, BlitFramebuffer, (int32_t x0, int32_t y0, int32_t x1, int32_t y1, int32_t to_x0, int32_t to_y0, int32_t to_x1, int32_t to_y1, \
+                            uint32_t mask, Enum filter)) \
   X(void, BufferData, (Enum target, ptrdiff_t bytes, const void* data, Enum usage)) \
   X(void, BufferSubData, (Enum target, ptrdiff_t offset, ptrdiff_t bytes, const void* data)) \
   X(Enum, CheckFramebufferStatus, (Enum target)) \
@@ -86,6 +88,7 @@ inline constexpr uint32_t kInvalidIndex = 0xffffffffu;
   X(void, DrawArrays, (Enum mode, int32_t first, int32_t count)) \
   X(void, DrawBuffers, (int32_t count, const Enum* buffers)) \
   X(void, Enable, (Enum capability)) \
+  X(void, Finish, (void)) \
   X(void, FramebufferTexture2D, (Enum target, Enum attachment, Enum texture_target, Name texture, int32_t level)) \
   X(void, FramebufferTextureLayer, (Enum target, Enum attachment, Name texture, int32_t level, int32_t layer)) \
   X(void, GenBuffers, (int32_t count, Name* names)) \

@@ -13,7 +13,7 @@ namespace {
 
 Name compileShader(const lw_gl& context, gl::Enum type, std::initializer_list<const char*> parts, const char* what, lw_result& result) {
   const gl::Api& api = context.api;
-  const char* sources[5] = {api.embedded ? gl::glsl::kVersionEmbedded : gl::glsl::kVersionDesktop};
+  const char* sources[8] = {api.embedded ? gl::glsl::kVersionEmbedded : gl::glsl::kVersionDesktop};
   int32_t count = 1;
   for (const char* part : parts) sources[count++] = part;
   const Name shader = api.CreateShader(type);
@@ -29,11 +29,24 @@ Name compileShader(const lw_gl& context, gl::Enum type, std::initializer_list<co
   return shader;
 }
 
-/// Samplers are given in the order of the units that they read from.
-lw_result compile(const lw_gl& context, const char* what, std::initializer_list<const char*> fragment,
-                  std::initializer_list<const char*> samplers, std::initializer_list<const char*> uniforms, gl::Program& program,
-                  std::initializer_list<const char*> vertex = {gl::glsl::kVertex}) {
-  const gl::Api& api = context.api;
+Name createShadowSampler(const gl::Api& api, gl::Enum compare) {
+  Name sampler = 0;
+  api.GenSamplers(1, &sampler);
+  const struct {
+    gl::Enum name, value;
+  } parameters[] = {{gl::kTextureMinFilter, gl::kLinear}, {gl::kTextureMagFilter, gl::kLinear}, {gl::kTextureWrapS, gl::kClampToEdge},
+                    {gl::kTextureWrapT, gl::kClampToEdge}, {gl::kTextureWrapR, gl::kClampToEdge},
+                    {gl::kTextureCompareMode, gl::kCompareRefToTexture}, {gl::kTextureCompareFunc, compare}};
+  for (const auto& p : parameters) api.SamplerParameteri(sampler, p.name, int32_t(p.value));
+  return sampler;
+}
+
+}  // namespace
+
+lw_result gl::compileProgram(const lw_gl& context, const char* what, std::initializer_list<const char*> fragment,
+                             std::initializer_list<const char*> samplers, std::initializer_list<const char*> uniforms, Program& program,
+                             std::initializer_list<const char*> vertex) {
+  const Api& api = context.api;
   lw_result result = LW_OK;
   const Name vertex_shader = compileShader(context, gl::kVertexShader, vertex, "vertex", result);
   const Name fragment_shader = compileShader(context, gl::kFragmentShader, fragment, what, result);
@@ -58,64 +71,51 @@ lw_result compile(const lw_gl& context, const char* what, std::initializer_list<
   return LW_OK;
 }
 
-Name createShadowSampler(const gl::Api& api, gl::Enum compare) {
-  Name sampler = 0;
-  api.GenSamplers(1, &sampler);
-  const struct {
-    gl::Enum name, value;
-  } parameters[] = {{gl::kTextureMinFilter, gl::kLinear}, {gl::kTextureMagFilter, gl::kLinear}, {gl::kTextureWrapS, gl::kClampToEdge},
-                    {gl::kTextureWrapT, gl::kClampToEdge}, {gl::kTextureWrapR, gl::kClampToEdge},
-                    {gl::kTextureCompareMode, gl::kCompareRefToTexture}, {gl::kTextureCompareFunc, compare}};
-  for (const auto& p : parameters) api.SamplerParameteri(sampler, p.name, int32_t(p.value));
-  return sampler;
-}
-
-}  // namespace
-
 lw_result lw_gl::compilePrograms() {
   using namespace gl::glsl;
-  lw_result result = compile(
+  using gl::compileProgram;
+  lw_result result = compileProgram(
       *this, "entry", {kAddress, kLight, kEntries},
       {"u_position", "u_normal", "u_previous", "u_shadow_2d", "u_shadow_cube", "u_visibility"},
       {"u_entries", "u_light_count", "u_accumulate", "u_shadow", "u_reversed", "u_light", "u_shadow_numbers", "u_shadow_matrix"}, entries);
   if (!result)
-    result = compile(*this, "cluster", {kAddress, kClusters}, {"u_range", "u_position", "u_entry", "u_pane_sum"}, {"u_clusters"}, clusters);
-  if (!result) result = compile(*this, "rank", {kAddress, kRank}, {"u_cluster"}, {"u_clusters"}, rank);
+    result = compileProgram(*this, "cluster", {kAddress, kClusters}, {"u_range", "u_position", "u_entry", "u_pane_sum"}, {"u_clusters"}, clusters);
+  if (!result) result = compileProgram(*this, "rank", {kAddress, kRank}, {"u_cluster"}, {"u_clusters"}, rank);
   if (!result)
-    result = compile(*this, "selection", {kAddress, kSelect}, {"u_cluster", "u_rank", "u_pane_sum"},
+    result = compileProgram(*this, "selection", {kAddress, kSelect}, {"u_cluster", "u_rank", "u_pane_sum"},
                      {"u_clusters", "u_brightest", "u_keep_energy"}, select);
   if (!result)
-    result = compile(*this, "pane", {kAddress, kOwnValue, kPanes},
+    result = compileProgram(*this, "pane", {kAddress, kOwnValue, kPanes},
                      {"u_texel_map", "u_weight", "u_pane", "u_constant", "u_buried"},
                      {"u_weights", "u_selected", "u_texels", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count"}, panes);
   if (!result)
-    result = compile(*this, "coefficient", {kAddress, kCoefficients}, {"u_block", "u_link", "u_coefficient", "u_cluster", "u_scale"},
+    result = compileProgram(*this, "coefficient", {kAddress, kCoefficients}, {"u_block", "u_link", "u_coefficient", "u_cluster", "u_scale"},
                      {"u_blocks", "u_quads"}, coefficients);
   if (!result)
-    result = compile(*this, "reconstruction", {kAddress, kLocalBases, kOwnValue, kReconstruct},
+    result = compileProgram(*this, "reconstruction", {kAddress, kLocalBases, kOwnValue, kReconstruct},
                      {"lw_texel_map", "lw_basis", "lw_amount", "u_constant", "u_buried"},
                      {"lw_quads", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count"}, reconstruct);
   if (!result)
-    result = compile(*this, "patch radiosity", {kAddress, kRadiosityPatches}, {"u_albedo", "u_emitted", "u_direct", "u_irradiance", "u_kept"},
+    result = compileProgram(*this, "patch radiosity", {kAddress, kRadiosityPatches}, {"u_albedo", "u_emitted", "u_direct", "u_irradiance", "u_kept"},
                      {"u_patches", "u_light"}, radiosity_patches);
   if (!result)
-    result = compile(*this, "node radiosity", {kAddress, kRadiosityNodes}, {"u_node", "u_share"}, {"u_begin", "u_end", "u_child_begin"}, radiosity_nodes);
+    result = compileProgram(*this, "node radiosity", {kAddress, kRadiosityNodes}, {"u_node", "u_share"}, {"u_begin", "u_end", "u_child_begin"}, radiosity_nodes);
   if (!result)
-    result = compile(*this, "radiosity gathering", {kAddress, kRadiosityGather}, {"u_link", "u_row", "u_run", "u_gate", "u_node", "u_previous"},
+    result = compileProgram(*this, "radiosity gathering", {kAddress, kRadiosityGather}, {"u_link", "u_row", "u_run", "u_gate", "u_node", "u_previous"},
                      {"u_patches", "u_omega"}, radiosity_gather);
   if (!result)
-    result = compile(*this, "radiosity", {kAddress, kRadiosityShade},
+    result = compileProgram(*this, "radiosity", {kAddress, kRadiosityShade},
                      {"u_texel_map", "u_texel_patch", "u_texel_weight", "u_irradiance", "u_emitters", "u_direct"}, {"u_fill", "u_amounts", "u_max"},
                      radiosity_shade);
   if (!result)
-    result = compile(*this, "view of a light", {kAddress, kInjectSee},
+    result = compileProgram(*this, "view of a light", {kAddress, kInjectSee},
                      {"u_corner", "u_triangle", "u_texel_patches", "u_patch", "u_alpha_material", "u_alpha", "u_leaf"},
                      {"u_eye", "u_right", "u_up", "u_forward", "u_range"}, inject_see, {kAddress, kInjectSeeVertex});
   if (!result)
-    result = compile(*this, "light injection", {kInjectAdd}, {"u_seen", "u_patch"}, {"u_side", "u_light", "u_cone", "u_spot"}, inject_add,
+    result = compileProgram(*this, "light injection", {kInjectAdd}, {"u_seen", "u_patch"}, {"u_side", "u_light", "u_cone", "u_spot"}, inject_add,
                      {kAddress, kInjectAddVertex});
   if (!result)
-    result = compile(*this, "probe", {kAddress, kProbes}, {"u_link", "u_probe", "u_run", "u_gate", "u_node"}, {"u_probes", "u_groups"}, probes);
+    result = compileProgram(*this, "probe", {kAddress, kProbes}, {"u_link", "u_probe", "u_run", "u_gate", "u_node"}, {"u_probes", "u_groups"}, probes);
   return result;
 }
 

@@ -1,6 +1,9 @@
 // What is shared by everything of one GL context: functions, programs, samplers.
 #pragma once
+#include <initializer_list>
+
 #include "runtime/src/gl/api.h"
+#include "runtime/src/gl/shaders.h"
 #include "runtime/src/gl/state.h"
 
 namespace lightwell::runtime::gl {
@@ -27,6 +30,12 @@ struct lw_gl {
 };
 
 namespace lightwell::runtime::gl {
+
+/// Compiles and links; the program is in use afterwards. Samplers are given in the order of the units that they read from, uniforms in that of Program::uniform;
+/// at most seven parts of source each. LW_GL_FAILED, with the compiler's log and `what` in the message.
+lw_result compileProgram(const lw_gl& context, const char* what, std::initializer_list<const char*> fragment,
+                         std::initializer_list<const char*> samplers, std::initializer_list<const char*> uniforms, Program& program,
+                         std::initializer_list<const char*> vertex = {glsl::kVertex});
 
 // The uniforms of each program: indices into Program::uniform.
 namespace entries_uniform {
