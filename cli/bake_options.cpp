@@ -64,6 +64,11 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
       ->type_name("N")
       ->check(CLI::Range(1u, plan::kMostVirtualLights));
   command
+      .add_option("--points", options.request.settings.points,
+                  "Points on surfaces, for shadow maps of lights that move (docs/many-lights.md): 16384 suit a room; 0: none")
+      ->type_name("N")
+      ->check(CLI::Range(0u, plan::kMostPoints));
+  command
       .add_option("--probe-spacing", options.probe_spacing,
                   "With radiosity: a lattice of probes for moving objects, METRES apart; auto: by the scene's size (up to 2,000 at production, 1,000, 500); 0: none")
       ->type_name("METRES|auto")

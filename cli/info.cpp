@@ -119,6 +119,7 @@ json contentJson(const format::Reader& reader) {
     content["vpl"] = {{"lights", vpl.lights()}, {"of_type", of_type}, {"vertices", vpl.vertices()}, {"sources", vpl.sources()}, {"clustered_from", vpl.points()}};
   }
   if (reader.has("probes", "header")) {
+  if (reader.has("points", "header")) content["points"] = {{"points", reader.points().points()}, {"area_m2", reader.points().area()}};
     const auto probes = reader.probes();
     content["probes"] = {{"lattice_probes", probes.lattice_probes()},
                          {"points", probes.points()},

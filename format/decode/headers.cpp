@@ -126,6 +126,19 @@ bool parseVplHeader(const uint8_t* message, size_t bytes, VplHeader& header) {
 
 bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header) {
   header = {};
+bool parsePointsHeader(const uint8_t* message, size_t bytes, PointsHeader& header) {
+  header = {};
+  WireReader reader(message, bytes);
+  Vector<float, 3> first{header.first_m}, step{header.step_m};
+  while (reader.next()) switch (reader.field()) {
+      case 1: reader.read(header.points); break;
+      case 2: reader.read(header.area_m2); break;
+      case 3: first.append(reader); break;
+      case 4: step.append(reader); break;
+    }
+  return reader.ok() && first.complete() && step.complete();
+}
+
   WireReader reader(message, bytes);
   uint32_t counts = 0;
   Vector<float, 3> first{header.lattice_first_m};

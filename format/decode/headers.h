@@ -67,6 +67,11 @@ struct VplHeader {
   uint32_t lights = 0, vertices = 0, sources = 0;
 };
 
+struct PointsHeader {
+  uint32_t points = 0;
+  float area_m2 = 0, first_m[3] = {}, step_m[3] = {};
+};
+
 struct ProbesHeader {
   uint32_t lattice_probes = 0, points = 0;
   uint64_t lattice_count[3] = {};      // all 0 without a lattice
@@ -81,6 +86,7 @@ bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header);
 bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHeader& header);
 bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& header);
 bool parseVplHeader(const uint8_t* message, size_t bytes, VplHeader& header);
+bool parsePointsHeader(const uint8_t* message, size_t bytes, PointsHeader& header);
 bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header);
 /// `lights` may be null; otherwise it receives the first `light_capacity` lights. SceneHeader::light_count counts all.
 bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity);

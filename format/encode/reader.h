@@ -62,6 +62,7 @@ class Reader {
   v1::EnvironmentHeader environment() const { return readMessage<v1::EnvironmentHeader>("environment", "header"); }
   v1::RadiosityHeader radiosity() const { return readMessage<v1::RadiosityHeader>("radiosity", "header"); }
   v1::LightmapHeader lightmap() const { return readMessage<v1::LightmapHeader>("lightmap", "header"); }
+  v1::PointsHeader points() const { return readMessage<v1::PointsHeader>("points", "header"); }
   v1::VplHeader vpl() const { return readMessage<v1::VplHeader>("vpl", "header"); }
   v1::ProbesHeader probes() const { return readMessage<v1::ProbesHeader>("probes", "header"); }
   v1::PrmHeader prm() const { return readMessage<v1::PrmHeader>("prm", "header"); }

@@ -139,7 +139,7 @@ std::vector<Issue> verify(const Source& source, const Limits& limits) {
   constexpr std::pair<const char*, Check> checks[] = {
       {"meta", verifyMeta}, {"scene", verifyScene}, {"geometry", verifyGeometry}, {"atlas", verifyAtlas}, {"prm", verifyPrm},
       {"environment", verifyEnvironment}, {"radiosity", verifyRadiosity}, {"probes", verifyProbes},
-      {"lightmap", verifyLightmap}, {"vpl", verifyVpl}};
+      {"lightmap", verifyLightmap}, {"vpl", verifyVpl}, {"points", verifyPoints}};
   for (const auto& [type, check] : checks)
     if (context.has(type)) check(context);
   context.checkRemaining();

@@ -106,5 +106,6 @@ void verifyRadiosity(VerifyContext& context);
 void verifyProbes(VerifyContext& context);
 void verifyLightmap(VerifyContext& context);
 void verifyVpl(VerifyContext& context);
+void verifyPoints(VerifyContext& context);
 
 }  // namespace lightwell::format

@@ -125,6 +125,9 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   in.cancel.check();
   if (lightmap) addLightmapSection(writer, *lightmap, context.atlas());
   if (!vpl.lights.empty()) addVplSection(writer, vpl, context.scene());
+  if (plan.points)
+    if (const auto surface = transport::spreadPoints(context.scene(), context.atlas(), settings.points, settings.seed); !surface.points.empty())
+      addPointsSection(writer, surface, context.scene());
   if (radiosity) addRadiositySection(writer, *radiosity, context.scene());
   if (probes) addProbesSection(writer, *probes, context.scene().metres_per_unit);
   in.cancel.check();

@@ -12,6 +12,7 @@
 #include "precompute/scene/scene.h"
 #include "precompute/transport/environment/environment.h"
 #include "precompute/transport/lightmap/bake_lightmap.h"
+#include "precompute/transport/many_lights/surface_points.h"
 #include "precompute/transport/prm/prm.h"
 #include "precompute/transport/radiosity/bake_probes.h"
 #include "precompute/transport/radiosity/radiosity.h"
@@ -34,6 +35,8 @@ void addProbesSection(format::Writer& writer, const transport::ProbeResult& prob
 void addLightmapSection(format::Writer& writer, const transport::Lightmap& lightmap, const atlas::Atlas& atlas);
 /// `scene`: its lights and its unit of length. There is at least one virtual light.
 void addVplSection(format::Writer& writer, const VplResult& vpl, const scene::Scene& scene);
+/// `scene`: its bounds and its unit of length. There is at least one point.
+void addPointsSection(format::Writer& writer, const transport::SurfacePoints& surface, const scene::Scene& scene);
 void addMetaSection(format::Writer& writer, const v1::MetaHeader& header);
 
 }  // namespace lightwell::bake

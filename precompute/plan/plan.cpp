@@ -102,6 +102,8 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
   }
   plan.probes = plan.radiosity && wantsProbes(settings);
   if (plan.radiosity && !plan.probes) plan.omitted.push_back({"probes", "not asked for: what moves in the scene is the game's to know"});
+  plan.points = settings.points > 0 && facts.has_surfaces;
+  if (!plan.points) plan.omitted.push_back({"points", settings.points == 0 ? "not asked for" : facts.has_scene ? "the scene has no surfaces" : "no scene was given"});
   plan.prm_emitter = plan.prm && facts.has_emitters;
   plan.prm_sky = plan.prm && facts.has_sky_light;
   if (plan.prm && !facts.has_emitters) plan.omitted.push_back({"prm.emitter", "no surface emits light"});

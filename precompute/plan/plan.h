@@ -31,6 +31,7 @@ struct Plan {
   bool prm_sky = false;           // the constant panes of the sky
   bool lightmap = false;
   bool vpl = false;
+  bool points = false;            // on surfaces, for shadow maps of lights that move
   bool radiosity = false;
   bool probes = false;            // for moving objects, lit by the patches of radiosity
   bool environment = false;

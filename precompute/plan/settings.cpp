@@ -169,6 +169,7 @@ std::string canonicalJson(const Settings& settings) {
               {"radiosity_density", settings.radiosity_density},
               {"virtual_light", name(settings.virtual_light)},
               {"virtual_lights", settings.virtual_lights},
+              {"points", settings.points},
               {"probe_spacing_m", spacing},
               {"probe_points_m", settings.probe_points_m},
               {"environment_samples", settings.environment_samples},
@@ -225,6 +226,8 @@ Settings settingsFromJson(std::string_view text) {
       settings.virtual_light = required(kVirtualLightShapes, key, value);
     } else if (key == "virtual_lights") {
       settings.virtual_lights = requiredCount(key, value, kMostVirtualLights);
+    } else if (key == "points") {
+      settings.points = requiredCount(key, value, kMostPoints);
     } else if (key == "probe_spacing_m") {
       settings.probe_spacing_m = requiredSpacing(key, value);
     } else if (key == "probe_points_m") {

@@ -24,6 +24,7 @@ enum class VirtualLightShape { automatic, point, disk, sphere, polygon };
 inline constexpr int kMostLightmapSize = 8192;
 inline constexpr uint32_t kMostPrmEntries = 1u << 20, kMostPrmClusters = 1u << 16, kMostPrmPanes = 4096;
 inline constexpr uint32_t kMostVirtualLights = 1u << 17;
+inline constexpr uint32_t kMostPoints = 1u << 22;
 inline constexpr float kLeastRadiosityDensity = 1.0f / 64;
 inline constexpr float kAutomaticProbeSpacing = -1, kMostProbeSpacing_m = 1e6f;
 inline constexpr size_t kMostProbePoints = 65536;
@@ -56,6 +57,7 @@ struct Settings {
   float radiosity_density = 0;        // patches per light-map texel along a side, rounded to a power of two, kLeastRadiosityDensity to 1; 0: adaptive
   VirtualLightShape virtual_light = VirtualLightShape::automatic;
   uint32_t virtual_lights = 0;        // aimed at, up to kMostVirtualLights; 0: the quality's
+  uint32_t points = 0;                // on surfaces, for shadow maps of lights that move, up to kMostPoints; 0: no section points
   float probe_spacing_m = 0;          // of the lattice of probes for moving objects; kAutomaticProbeSpacing: by the scene's size; 0: no lattice
   std::vector<std::array<double, 3>> probe_points_m;  // more probes, in the glTF file's world; up to kMostProbePoints
   uint32_t environment_samples = 128; // cells of the environment, suns included, 1 to kMostEnvironmentSamples

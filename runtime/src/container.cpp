@@ -41,12 +41,6 @@ lw_result badSection(const lw_container& container, const format::ChunkInfo& chu
                              chunk.name.data(), reason);
 }
 
-bool allFinite(const float* values, size_t count) {
-  float sum = 0;  // 0 * x is 0 unless x is infinite or NaN: one comparison for all
-  for (size_t i = 0; i < count; ++i) sum += 0.0f * values[i];
-  return sum == 0.0f;
-}
-
 bool isSourceMap(const uint32_t* source, uint64_t texels) {
   for (uint64_t i = 0; i < texels; ++i)
     if (source[i] != kNone && (source[i] >= texels || source[source[i]] != source[i])) return false;

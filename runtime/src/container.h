@@ -46,7 +46,6 @@ lw_result readAtlasHeader(const lw_container& container, format::AtlasHeader& he
 lw_result readEnvironmentHeader(const lw_container& container, format::EnvironmentHeader& header);
 lw_result readPrmHeader(const lw_container& container, format::PrmHeader& header);
 
-bool allFinite(const float* values, size_t count);
 /// Every texel's source is a texel that is its own source, or none.
 bool isSourceMap(const uint32_t* source, uint64_t texels);
 

@@ -30,6 +30,12 @@ lw_result Host::fail(const format::Fault& fault) const {
               static_cast<unsigned long long>(fault.offset));
 }
 
+bool allFinite(const float* values, size_t count) {
+  float sum = 0;  // 0 * x is 0 unless x is infinite or NaN: one comparison for all
+  for (size_t i = 0; i < count; ++i) sum += 0.0f * values[i];
+  return sum == 0.0f;
+}
+
 }  // namespace lightwell::runtime
 
 const char* lw_result_name(lw_result result) {

@@ -99,4 +99,6 @@ void destroyHandle(Handle* handle) {
   host.release(handle);
 }
 
+bool allFinite(const float* values, size_t count);
+
 }  // namespace lightwell::runtime

@@ -10,6 +10,7 @@
 #include "tests/format/lightmap_content.h"
 #include "tests/format/probes_content.h"
 #include "tests/format/radiosity_content.h"
+#include "tests/format/points_content.h"
 #include "tests/format/vpl_content.h"
 
 namespace lightwell::format {
@@ -92,7 +93,9 @@ std::vector<GoldenFile> validFiles() {
           {"valid/radiosity_portals.lwc", toWriter(portalsContent()).bytes()},
           {"valid/probes.lwc", toWriter(probesContent()).bytes()},
           {"valid/lightmap.lwc", toWriter(lightmapContent()).bytes()},
-          {"valid/vpl.lwc", toWriter(vplContent()).bytes()}};
+          {"valid/lightmap_directional.lwc", toWriter(directionalContent()).bytes()},
+          {"valid/vpl.lwc", toWriter(vplContent()).bytes()},
+          {"valid/points.lwc", toWriter(pointsContent()).bytes()}};
 }
 
 std::vector<GoldenFile> invalidFiles() {
@@ -207,6 +210,9 @@ std::vector<GoldenFile> invalidFiles() {
   Content missing = panesContent();
   missing.left_out = {"atlas/source"};
   add("bad_section.chunk_missing", toWriter(missing).bytes());
+  PointsContent points = pointsContent();
+  points.texel[2] = 1u << 20;
+  add("bad_section.points_texel", toWriter(points).bytes());
   return files;
 }
 

@@ -128,8 +128,8 @@ INSTANTIATE_TEST_SUITE_P(Breach, Invariant, testing::Range(size_t(0), breaches()
 TEST(Verify, UnknownThingsAreNotes) {
   Writer writer = toWriter(panesContent());
   writer.add("prm", "later", std::vector<uint8_t>{1, 2, 3});
-  writer.addSection("points", 1, false);
-  writer.add("points", "position", std::vector<float>{1, 2, 3});
+  writer.addSection("caustics", 1, false);
+  writer.add("caustics", "position", std::vector<float>{1, 2, 3});
   const std::vector<uint8_t> file = writer.bytes();
   const std::vector<Issue> issues = verify(memorySource(file.data(), file.size()));
   EXPECT_TRUE(isSound(issues));

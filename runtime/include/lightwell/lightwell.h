@@ -579,6 +579,27 @@ typedef struct lw_probes lw_probes;
 
 typedef struct lw_probes_info {
   uint32_t probes;             /* those on the lattice first, then the points in the order of the bake's list */
+/* ---- Surface points --------------------------------------------------------------------------------------------------------------- */
+
+/* Points spread evenly over the opaque surfaces, for shadow maps of many lights at once (lightwell_gl_dynamic.h): every 2^k of them that follow each other from a
+ * multiple of 2^k are spread evenly, too. Immutable, usable from any thread. */
+typedef struct lw_points lw_points;
+
+typedef struct lw_points_info {
+  uint32_t points;
+  float area_m2;           /* of all surface; each point stands for as much of it */
+  const float *position_m; /* [points][3], rounded to 1/65535 of the scene's bounds; arrays live as long as the lw_points */
+  const float *normal;     /* [points][3], unit, of the front */
+  const uint32_t *texel;   /* [points], of the atlas, where albedo and light of the surface are; 0xffffffff: nowhere */
+} lw_points_info;
+
+/* Decodes and checks the section "points". Memory: 28 bytes a point. Fails as lw_decode_array does.
+ *
+ * points: receives a handle, to be released with lw_points_release. */
+LW_API lw_result lw_points_load(const lw_container *container, lw_points **points);
+LW_API void lw_points_release(lw_points *points);
+LW_API lw_result lw_points_get_info(const lw_points *points, lw_points_info *info);
+
   uint32_t lattice_probes;
   uint32_t links;
   uint32_t lattice_count[3];   /* points of the lattice along the axes, not all of which have a probe; 0: no lattice */
