@@ -107,7 +107,8 @@ json contentJson(const format::Reader& reader) {
   }
   if (reader.has("lightmap", "header")) {
     const auto lightmap = reader.lightmap();
-    content["lightmap"] = {{"texels", lightmap.texels()}, {"has_direct", lightmap.has_direct()}, {"has_indirect", lightmap.has_indirect()}};
+    content["lightmap"] = {{"texels", lightmap.texels()}, {"has_direct", lightmap.has_direct()}, {"has_indirect", lightmap.has_indirect()},
+                           {"has_gradients", lightmap.has_direct_gradient() || lightmap.has_indirect_gradient()}};
   }
   if (reader.has("vpl", "header")) {
     const auto vpl = reader.vpl();
@@ -118,8 +119,8 @@ json contentJson(const format::Reader& reader) {
       if (type >= 1 && type <= 4) of_type[kTypes[type - 1]] = of_type[kTypes[type - 1]].get<int>() + 1;
     content["vpl"] = {{"lights", vpl.lights()}, {"of_type", of_type}, {"vertices", vpl.vertices()}, {"sources", vpl.sources()}, {"clustered_from", vpl.points()}};
   }
-  if (reader.has("probes", "header")) {
   if (reader.has("points", "header")) content["points"] = {{"points", reader.points().points()}, {"area_m2", reader.points().area()}};
+  if (reader.has("probes", "header")) {
     const auto probes = reader.probes();
     content["probes"] = {{"lattice_probes", probes.lattice_probes()},
                          {"points", probes.points()},

@@ -109,6 +109,8 @@ bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& h
       case 1: reader.read(header.texels); break;
       case 2: reader.read(header.has_direct); break;
       case 3: reader.read(header.has_indirect); break;
+      case 4: reader.read(header.has_direct_gradient); break;
+      case 5: reader.read(header.has_indirect_gradient); break;
     }
   return reader.ok();
 }
@@ -124,8 +126,6 @@ bool parseVplHeader(const uint8_t* message, size_t bytes, VplHeader& header) {
   return reader.ok();
 }
 
-bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header) {
-  header = {};
 bool parsePointsHeader(const uint8_t* message, size_t bytes, PointsHeader& header) {
   header = {};
   WireReader reader(message, bytes);
@@ -139,6 +139,8 @@ bool parsePointsHeader(const uint8_t* message, size_t bytes, PointsHeader& heade
   return reader.ok() && first.complete() && step.complete();
 }
 
+bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header) {
+  header = {};
   WireReader reader(message, bytes);
   uint32_t counts = 0;
   Vector<float, 3> first{header.lattice_first_m};

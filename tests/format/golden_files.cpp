@@ -204,15 +204,18 @@ std::vector<GoldenFile> invalidFiles() {
   LightmapContent texel = lightmapContent();
   texel.texel[1] = 0;
   add("bad_section.lightmap_order", toWriter(texel).bytes());
+  LightmapContent gradient = directionalContent();
+  gradient.indirect_gradient[4] = -128;
+  add("bad_section.lightmap_gradient", toWriter(gradient).bytes());
   VplContent polygon = vplContent();
   polygon.first_vertex[3] = 2;
   add("bad_section.vpl_vertices", toWriter(polygon).bytes());
-  Content missing = panesContent();
-  missing.left_out = {"atlas/source"};
-  add("bad_section.chunk_missing", toWriter(missing).bytes());
   PointsContent points = pointsContent();
   points.texel[2] = 1u << 20;
   add("bad_section.points_texel", toWriter(points).bytes());
+  Content missing = panesContent();
+  missing.left_out = {"atlas/source"};
+  add("bad_section.chunk_missing", toWriter(missing).bytes());
   return files;
 }
 

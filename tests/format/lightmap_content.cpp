@@ -18,6 +18,15 @@ LightmapContent lightmapContent() {
   return c;
 }
 
+LightmapContent directionalContent() {
+  LightmapContent c = lightmapContent();
+  c.header.set_has_direct_gradient(true);
+  c.header.set_has_indirect_gradient(true);
+  c.direct_gradient = {127, 0, 0, 0, 0, 0, -64, 32, 16};
+  c.indirect_gradient = {0, -127, 0, 0, 16, 0, 0, 0, 0};
+  return c;
+}
+
 Writer toWriter(const LightmapContent& c) {
   Writer writer = toWriter(c.base);
   writer.addSection("lightmap");
@@ -25,6 +34,8 @@ Writer toWriter(const LightmapContent& c) {
   writer.add("lightmap", "texel", c.texel);
   if (!c.direct.empty()) writer.add("lightmap", "direct", c.direct, {}, ElementType::rgb9e5);
   if (!c.indirect.empty()) writer.add("lightmap", "indirect", c.indirect, {}, ElementType::rgb9e5);
+  if (!c.direct_gradient.empty()) writer.add("lightmap", "direct_gradient", c.direct_gradient, {c.direct_gradient.size() / 3, 3});
+  if (!c.indirect_gradient.empty()) writer.add("lightmap", "indirect_gradient", c.indirect_gradient, {c.indirect_gradient.size() / 3, 3});
   return writer;
 }
 

@@ -9,9 +9,12 @@ struct LightmapContent {
   Content base;  // without prm
   v1::LightmapHeader header;
   std::vector<uint32_t> texel, direct, indirect;  // the latter not written when empty
+  std::vector<int8_t> direct_gradient, indirect_gradient;  // likewise
 };
 
 LightmapContent lightmapContent();
+/// The same with gradients.
+LightmapContent directionalContent();
 Writer toWriter(const LightmapContent& content);
 
 }  // namespace lightwell::format

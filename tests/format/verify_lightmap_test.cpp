@@ -31,11 +31,27 @@ TEST(VerifyLightmap, FindsNothingWrong) {
   EXPECT_EQ(listed(issuesOf(dark)), "");
 }
 
+std::vector<Breach> directionalBreaches() {
+  using C = LightmapContent;
+  return {
+      {"GradientMissing", IssueId::chunk_missing, "lightmap/direct_gradient", [](C& c) { c.direct_gradient.clear(); }},
+      {"GradientShort", IssueId::chunk_shape, "lightmap/indirect_gradient", [](C& c) { c.indirect_gradient.resize(6); }},
+      {"GradientBelow", IssueId::value_range, "lightmap/indirect_gradient", [](C& c) { c.indirect_gradient[4] = -128; }},
+      {"GradientOfNothing", IssueId::header_value, "lightmap/header", [](C& c) { c.header.clear_has_direct(), c.direct.clear(); }},
+  };
+}
+
 class VerifyLightmapBreach : public testing::TestWithParam<Breach> {};
 
 TEST_P(VerifyLightmapBreach, IsNamed) { expectNamed(GetParam(), lightmapContent()); }
 
 INSTANTIATE_TEST_SUITE_P(All, VerifyLightmapBreach, testing::ValuesIn(breaches()), [](const auto& info) { return std::string(info.param.name); });
+
+class VerifyDirectionalBreach : public testing::TestWithParam<Breach> {};
+
+TEST_P(VerifyDirectionalBreach, IsNamed) { expectNamed(GetParam(), directionalContent()); }
+
+INSTANTIATE_TEST_SUITE_P(All, VerifyDirectionalBreach, testing::ValuesIn(directionalBreaches()), [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
 }  // namespace lightwell::format

@@ -1,4 +1,5 @@
 // The GLSL that is exported, inside a program of the game.
+#include "tests/format/lightmap_content.h"
 #include "tests/runtime/gl_fixture.h"
 #include "tests/runtime/gl_program.h"
 
@@ -79,6 +80,47 @@ TEST_P(GlSnippets, LocalBasesAreReconstructedInTheGamesShader) {
   const GLuint other = makeProgram(lw_glsl_source(LW_GLSL_ATLAS), "lwDiffuseRadiance(vec3(0.5), vec3(3.14159265))");
   EXPECT_EQ(lw_gl_bind_local_bases(gl_prm.get(), other, 0), LW_NOT_FOUND);
   EXPECT_NEAR(run(other, 1, 1, 0, [] {})[0], 0.5f, 1e-6f);
+}
+
+TEST_P(GlSnippets, GradientsOfALightMapTiltTheNormalAsOnTheCpu) {
+  const Container container = openMemory(format::toWriter(format::directionalContent()).bytes());
+  lw_lightmap* map = nullptr;
+  ASSERT_EQ(lw_lightmap_load(container.get(), &map), LW_OK);
+  lw_gl_lightmap* gl_map = nullptr;
+  ASSERT_EQ(lw_gl_lightmap_create(gl, map, nullptr, &gl_map), LW_OK);
+  lw_lightmap_info info;
+  ASSERT_EQ(lw_lightmap_get_info(map, &info), LW_OK);
+  // Direct light alone, so that both sum up in the same way.
+  lw_lightmap_shading shading = LW_LIGHTMAP_SHADING_INIT;
+  shading.light = LW_LIGHTMAP_DIRECT;
+  lw_gl_lightmap_options options = LW_GL_LIGHTMAP_OPTIONS_INIT;
+  options.shading = &shading;
+  lw_gl_lightmap* direct = nullptr;
+  ASSERT_EQ(lw_gl_lightmap_create(gl, map, &options, &direct), LW_OK);
+  ASSERT_NE(lw_gl_lightmap_gradient_texture(direct), 0u);
+  EXPECT_EQ(lw_gl_lightmap_texture_bytes(direct), uint64_t(info.width) * info.height * (8 + 4));
+  const float up[3] = {0, 1, 0}, tilted[3] = {0.6f, 0.8f, 0};
+  const std::string source = std::string(lw_glsl_source(LW_GLSL_ATLAS)) + lw_glsl_source(LW_GLSL_LIGHTMAP) + "uniform sampler2D u_gradients;\n";
+  for (const float* normal : {up, tilted}) {
+    const GLuint program = makeProgram(source, std::string("lwLightmapIrradiance(u_atlas, u_gradients, uv, vec3(0, 1, 0), ") +
+                                                   (normal == up ? "vec3(0, 1, 0))" : "vec3(0.6, 0.8, 0))"));
+    const auto pixels = run(program, int(info.width), int(info.height), 0, [&] {
+      glUniform1i(glGetUniformLocation(program, "u_gradients"), 1);
+      glActiveTexture(GL_TEXTURE1);
+      glBindTexture(GL_TEXTURE_2D, lw_gl_lightmap_gradient_texture(direct));
+      glActiveTexture(GL_TEXTURE0);
+      glBindTexture(GL_TEXTURE_2D, lw_gl_lightmap_texture(direct));
+    });
+    for (uint32_t y = 0; y < info.height; ++y)
+      for (uint32_t x = 0; x < info.width; ++x) {
+        float rgb[3];
+        ASSERT_EQ(lw_lightmap_irradiance(map, &shading, x, y, up, normal, rgb), LW_OK);
+        for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(pixels[(size_t(y) * info.width + x) * 4 + c], rgb[c], 2e-3 * (1 + rgb[c])) << x << ' ' << y;
+      }
+  }
+  lw_gl_lightmap_destroy(direct);
+  lw_gl_lightmap_destroy(gl_map);
+  lw_lightmap_release(map);
 }
 
 TEST_P(GlSnippets, LightsShineInTheGamesShaderAsOnTheCpu) {

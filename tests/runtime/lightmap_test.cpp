@@ -48,9 +48,69 @@ TEST(Lightmap, ShowsItsLightAndFillsFromSources) {
   EXPECT_EQ(lw_lightmap_shade(nullptr, nullptr, atlas.data()), LW_INVALID_ARGUMENT);
 }
 
+TEST(Lightmap, GradientsTiltTheNormalAndAreNeverNegative) {
+  const Container container = openMemory(format::toWriter(format::directionalContent()).bytes());
+  const Map map = load(container.get());
+  lw_lightmap_info info;
+  ASSERT_EQ(lw_lightmap_get_info(map.get(), &info), LW_OK);
+  EXPECT_EQ(info.has_gradients, 1u);
+  const float up[3] = {0, 1, 0}, along_x[3] = {1, 0, 0}, against_x[3] = {-1, 0, 0};
+  float rgb[3];
+  const auto at = [&](uint32_t x, const float* normal, uint32_t light) {
+    lw_lightmap_shading shading = LW_LIGHTMAP_SHADING_INIT;
+    shading.light = light, shading.fill = 0;
+    EXPECT_EQ(lw_lightmap_irradiance(map.get(), &shading, x, 0, up, normal, rgb), LW_OK);
+    return rgb[0];
+  };
+  // Texel 0: direct 4 with gradient (4, 0, 0), indirect 1 with gradient (0, -4, 0).
+  EXPECT_FLOAT_EQ(at(0, up, 3), 5.0f) << "the surface's own normal: the map itself";
+  EXPECT_FLOAT_EQ(at(0, along_x, LW_LIGHTMAP_DIRECT), 4 * (1 + 4));
+  EXPECT_FLOAT_EQ(at(0, against_x, LW_LIGHTMAP_DIRECT), 0.0f) << "never negative";
+  EXPECT_FLOAT_EQ(at(0, along_x, LW_LIGHTMAP_INDIRECT), 1 * (1 + 4));
+  EXPECT_FLOAT_EQ(at(1, along_x, 3), 2 * (1 - 16 * 4 / 127.0f));
+  EXPECT_FLOAT_EQ(at(2, along_x, 3), 0.0f) << "no value";
+  EXPECT_EQ(lw_lightmap_irradiance(map.get(), nullptr, 4, 0, up, up, rgb), LW_INVALID_ARGUMENT);
+  EXPECT_EQ(lw_lightmap_irradiance(map.get(), nullptr, 0, 0, up, nullptr, rgb), LW_INVALID_ARGUMENT);
+
+  // Both lights together: weighted by luminance.
+  std::vector<float> gradients(size_t(info.width) * info.height * 3);
+  lw_lightmap_shading shading = LW_LIGHTMAP_SHADING_INIT;
+  shading.light = LW_LIGHTMAP_DIRECT, shading.fill = 0;
+  ASSERT_EQ(lw_lightmap_shade_gradients(map.get(), &shading, gradients.data()), LW_OK);
+  EXPECT_FLOAT_EQ(gradients[0], 4.0f);
+  EXPECT_FLOAT_EQ(gradients[1], 0.0f);
+  const auto luminance = [](float r, float g, float b) { return 0.2126f * r + 0.7152f * g + 0.0722f * b; };
+  const float direct = luminance(4, 2, 1), indirect = luminance(1, 0.5f, 0.25f);
+  ASSERT_EQ(lw_lightmap_shade_gradients(map.get(), nullptr, gradients.data()), LW_OK);
+  EXPECT_FLOAT_EQ(gradients[0], 4 * direct / (direct + indirect));
+  EXPECT_FLOAT_EQ(gradients[1], -4 * indirect / (direct + indirect));
+  const auto source = format::directionalContent().base.source;
+  for (size_t i = 0; i < source.size(); ++i)
+    if (source[i] == 0) {
+      EXPECT_FLOAT_EQ(gradients[3 * i], gradients[0]) << "texels show their source";
+    }
+}
+
+TEST(Lightmap, WithoutGradientsTheNormalDoesNotMatter) {
+  const Container container = openMemory(format::toWriter(format::lightmapContent()).bytes());
+  const Map map = load(container.get());
+  lw_lightmap_info info;
+  ASSERT_EQ(lw_lightmap_get_info(map.get(), &info), LW_OK);
+  EXPECT_EQ(info.has_gradients, 0u);
+  const float up[3] = {0, 1, 0}, along_x[3] = {1, 0, 0};
+  float rgb[3];
+  ASSERT_EQ(lw_lightmap_irradiance(map.get(), nullptr, 0, 0, up, along_x, rgb), LW_OK);
+  EXPECT_EQ(rgb[0], 5.0f);
+  std::vector<float> gradients(size_t(info.width) * info.height * 3, 1.0f);
+  ASSERT_EQ(lw_lightmap_shade_gradients(map.get(), nullptr, gradients.data()), LW_OK);
+  for (const float value : gradients) EXPECT_EQ(value, 0.0f);
+}
+
 TEST(Lightmap, SaysWhatIsWrong) {
-  for (const char* broken : {"order", "range", "short", "missing"}) {
-    auto content = format::lightmapContent();
+  for (const char* broken : {"order", "range", "short", "missing", "gradient", "Gradient"}) {
+    auto content = format::directionalContent();
+    if (broken[0] == 'g') content.direct_gradient.clear();
+    if (broken[0] == 'G') content.indirect_gradient.resize(6);
     if (broken[0] == 'o') content.texel[1] = 0;
     if (broken[0] == 'r') content.texel[2] = 16;
     if (broken[0] == 's') content.indirect.pop_back();

@@ -252,6 +252,9 @@ LW_API void lw_gl_lightmap_destroy(lw_gl_lightmap *gl_lightmap);
 /* As lw_gl_prm_atlas_texture and lw_gl_prm_texture_bytes; 0 for NULL. */
 LW_API uint32_t lw_gl_lightmap_texture(const lw_gl_lightmap *gl_lightmap);
 LW_API uint64_t lw_gl_lightmap_texture_bytes(const lw_gl_lightmap *gl_lightmap);
+/* lw_lightmap_shade_gradients as RGBA8_SNORM, divided by LW_LIGHTMAP_MOST_GRADIENT, with gutters filled, linear filter: what LW_GLSL_LIGHTMAP reads. 0 for NULL, and for
+   maps without gradients. */
+LW_API uint32_t lw_gl_lightmap_gradient_texture(const lw_gl_lightmap *gl_lightmap);
 /* For tools and tests; waits for the GPU. Fails with LW_GL_FAILED. rgba: [height][width][4]. */
 LW_API lw_result lw_gl_lightmap_read(lw_gl_lightmap *gl_lightmap, float *rgba);
 
@@ -393,7 +396,10 @@ typedef enum lw_glsl {
   /* Light of probes at a position; see "Probes" above. Its uniforms are set by lw_gl_bind_probes. */
   LW_GLSL_PROBES = 5,
   /* Contact shadows of what moves; see lw_gl_set_blockers. */
-  LW_GLSL_BLOCKERS = 6
+  LW_GLSL_BLOCKERS = 6,
+  /* vec3 lwLightmapIrradiance(sampler2D atlas, sampler2D gradients, vec2 lightmap_uv, vec3 surface_normal, vec3 normal): irradiance about a normal-mapped normal, both
+     normals unit, in world space; needs LW_GLSL_ATLAS before it. See lw_gl_lightmap_gradient_texture. */
+  LW_GLSL_LIGHTMAP = 7
 } lw_glsl;
 
 /* GLSL source without a #version line, good for `#version 330 core` and `#version 300 es` alike. On ES it sets the default precision to highp

@@ -166,6 +166,7 @@ const char* lw_glsl_source(lw_glsl snippet) {
     case LW_GLSL_ENVIRONMENT: return gl::glsl::kEnvironment;
     case LW_GLSL_PROBES: return gl::glsl::kProbeLight;
     case LW_GLSL_BLOCKERS: return gl::glsl::kBlockers;
+    case LW_GLSL_LIGHTMAP: return gl::glsl::kLightmap;
   }
   return nullptr;
 }
