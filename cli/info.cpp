@@ -107,7 +107,8 @@ json contentJson(const format::Reader& reader) {
   }
   if (reader.has("lightmap", "header")) {
     const auto lightmap = reader.lightmap();
-    content["lightmap"] = {{"texels", lightmap.texels()}, {"has_direct", lightmap.has_direct()}, {"has_indirect", lightmap.has_indirect()}};
+    content["lightmap"] = {{"texels", lightmap.texels()}, {"has_direct", lightmap.has_direct()}, {"has_indirect", lightmap.has_indirect()},
+                           {"has_gradients", lightmap.has_direct_gradient() || lightmap.has_indirect_gradient()}};
   }
   if (reader.has("vpl", "header")) {
     const auto vpl = reader.vpl();

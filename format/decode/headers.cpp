@@ -109,6 +109,8 @@ bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& h
       case 1: reader.read(header.texels); break;
       case 2: reader.read(header.has_direct); break;
       case 3: reader.read(header.has_indirect); break;
+      case 4: reader.read(header.has_direct_gradient); break;
+      case 5: reader.read(header.has_indirect_gradient); break;
     }
   return reader.ok();
 }

@@ -60,7 +60,7 @@ struct RadiosityHeader {
 
 struct LightmapHeader {
   uint32_t texels = 0;
-  bool has_direct = false, has_indirect = false;
+  bool has_direct = false, has_indirect = false, has_direct_gradient = false, has_indirect_gradient = false;
 };
 
 struct VplHeader {

@@ -93,6 +93,7 @@ std::vector<GoldenFile> validFiles() {
           {"valid/radiosity_portals.lwc", toWriter(portalsContent()).bytes()},
           {"valid/probes.lwc", toWriter(probesContent()).bytes()},
           {"valid/lightmap.lwc", toWriter(lightmapContent()).bytes()},
+          {"valid/lightmap_directional.lwc", toWriter(directionalContent()).bytes()},
           {"valid/vpl.lwc", toWriter(vplContent()).bytes()},
           {"valid/points.lwc", toWriter(pointsContent()).bytes()}};
 }
@@ -203,6 +204,9 @@ std::vector<GoldenFile> invalidFiles() {
   LightmapContent texel = lightmapContent();
   texel.texel[1] = 0;
   add("bad_section.lightmap_order", toWriter(texel).bytes());
+  LightmapContent gradient = directionalContent();
+  gradient.indirect_gradient[4] = -128;
+  add("bad_section.lightmap_gradient", toWriter(gradient).bytes());
   VplContent polygon = vplContent();
   polygon.first_vertex[3] = 2;
   add("bad_section.vpl_vertices", toWriter(polygon).bytes());

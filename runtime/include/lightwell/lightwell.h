@@ -498,9 +498,10 @@ typedef struct lw_lightmap_info {
   uint32_t width, height;  /* of the atlas */
   uint32_t has_direct;     /* 0: no light falls on anything straight from lamps, emitters or a sky */
   uint32_t has_indirect;   /* 0: none after a reflection */
+  uint32_t has_gradients;  /* 1: the map knows how light changes with the normal, for normal-mapped surfaces (bake --directional) */
 } lw_lightmap_info;
 
-/* Decodes and checks the section "lightmap" and the atlas's source map. Memory: 12 bytes a texel, 4 a texel of the atlas. Fails as lw_decode_array does.
+/* Decodes and checks the section "lightmap" and the atlas's source map. Memory: 12 bytes a texel, 6 more with gradients, 4 a texel of the atlas. Fails as lw_decode_array does.
  *
  * lightmap: receives a handle, to be released with lw_lightmap_release. */
 LW_API lw_result lw_lightmap_load(const lw_container *container, lw_lightmap **lightmap);
@@ -519,6 +520,20 @@ typedef struct lw_lightmap_shading {
  *
  * shading: NULL for LW_LIGHTMAP_SHADING_INIT. atlas_rgba: [height][width][4], irradiance and coverage as lw_prm_evaluate gives them. */
 LW_API lw_result lw_lightmap_shade(const lw_lightmap *lightmap, const lw_lightmap_shading *shading, float *atlas_rgba);
+
+/* How that map changes with the normal: about a unit normal m other than the surface's own n, irradiance is E * max(0, 1 + g . (m - n)). E and g may be interpolated
+ * between texels first. Zero everywhere for maps without gradients. Fails as lw_lightmap_shade does.
+ *
+ * atlas_xyz: [height][width][3], g in world axes, each component from -LW_LIGHTMAP_MOST_GRADIENT to LW_LIGHTMAP_MOST_GRADIENT; of both lights their mean by luminance. */
+#define LW_LIGHTMAP_MOST_GRADIENT 4.0f
+LW_API lw_result lw_lightmap_shade_gradients(const lw_lightmap *lightmap, const lw_lightmap_shading *shading, float *atlas_xyz);
+
+/* Irradiance at one texel about a normal of the caller's choice, each light with its own gradient. Fails with LW_INVALID_ARGUMENT for a texel outside the atlas, and as above.
+ *
+ * shading: fill: a texel without a value of its own answers as its source. surface_normal: unit, of the surface at the texel, as interpolated from the mesh; normal: unit,
+ * as shaded. rgb: zero where there is no value. */
+LW_API lw_result lw_lightmap_irradiance(const lw_lightmap *lightmap, const lw_lightmap_shading *shading, uint32_t x, uint32_t y, const float surface_normal[3],
+                                        const float normal[3], float rgb[3]);
 
 /* ---- Virtual lights --------------------------------------------------------------------------------------------------------------- */
 
