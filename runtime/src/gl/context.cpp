@@ -108,7 +108,7 @@ lw_result lw_gl::compilePrograms() {
                      {"u_texel_map", "u_texel_patch", "u_texel_weight", "u_irradiance", "u_emitters", "u_direct"}, {"u_fill", "u_amounts", "u_max"},
                      radiosity_shade);
   if (!result)
-    result = compileProgram(*this, "view of a light", {kAddress, kInjectSee},
+    result = compileProgram(*this, "view of a light", {kAddress, kAlphaTest, kInjectSee},
                      {"u_corner", "u_triangle", "u_texel_patches", "u_patch", "u_alpha_material", "u_alpha", "u_leaf"},
                      {"u_eye", "u_right", "u_up", "u_forward", "u_range"}, inject_see, {kAddress, kInjectSeeVertex});
   if (!result)

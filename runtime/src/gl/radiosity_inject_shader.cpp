@@ -28,23 +28,10 @@ void main() {
 }
 )";
 
-// The patch that a pixel sees, and what a lamp's range leaves of the light there.
-const char kInjectSee[] = R"(
-uniform usampler2DArray u_triangle;   // double-sided, from bit 1 on the leaf's number + 1; alpha material; nearest patches, front and back; 0xffffffff: none
-uniform usampler2D u_texel_patches;   // front, back
-uniform sampler2DArray u_patch;       // normal; one over area
+// Where surfaces with alpha let light through.
+const char kAlphaTest[] = R"(
 uniform usampler2DArray u_alpha_material;  // two for each: first alpha, size, wrap modes; bits of factor and of the least that is opaque
 uniform sampler2DArray u_alpha;
-uniform sampler2DArray u_leaf;        // six for each: axis, offset, where its first gate is, strips; then how far gates are open
-uniform vec4 u_eye;
-uniform float u_range;
-flat in int v_triangle;
-flat in vec4 v_normal;
-in vec3 v_offset;
-in vec4 v_uv;
-in float v_nearness;
-out uvec2 o_seen;
-const uint kNone = 0xffffffffu;
 float lwWrapped(float at, uint mode, float size) {
   if (mode == 2u) return clamp(at, -1.0, size + 1.0);
   float period = mode == 3u ? 2.0 * size : size;
@@ -52,14 +39,14 @@ float lwWrapped(float at, uint mode, float size) {
   return mode == 3u && at > size ? period - at : at;
 }
 int lwNeighbour(int at, uint mode, int size) { return mode == 1u ? (at + size) % size : clamp(at, 0, size - 1); }
-bool lwLetsThrough(int material) {
+bool lwLetsThrough(int material, vec2 uv) {
   uvec4 texture_at = texelFetch(u_alpha_material, lwAddress(material * 2), 0);
   uvec4 limits = texelFetch(u_alpha_material, lwAddress(material * 2 + 1), 0);
   float value = uintBitsToFloat(limits.x);
   ivec2 size = ivec2(texture_at.yz);
   if (size.x > 0) {
     uvec2 mode = uvec2(texture_at.w & 3u, texture_at.w >> 2u);
-    vec2 at = vec2(lwWrapped(v_uv.z * float(size.x), mode.x, float(size.x)), lwWrapped(v_uv.w * float(size.y), mode.y, float(size.y))) - 0.5;
+    vec2 at = vec2(lwWrapped(uv.x * float(size.x), mode.x, float(size.x)), lwWrapped(uv.y * float(size.y), mode.y, float(size.y))) - 0.5;
     vec2 low = floor(at), f = at - low;
     float sum = 0.0;
     for (int i = 0; i < 4; ++i) {
@@ -70,6 +57,23 @@ bool lwLetsThrough(int material) {
   }
   return value < uintBitsToFloat(limits.y);
 }
+)";
+
+// The patch that a pixel sees, and what a lamp's range leaves of the light there.
+const char kInjectSee[] = R"(
+uniform usampler2DArray u_triangle;   // double-sided, from bit 1 on the leaf's number + 1; alpha material; nearest patches, front and back; 0xffffffff: none
+uniform usampler2D u_texel_patches;   // front, back
+uniform sampler2DArray u_patch;       // normal; one over area
+uniform sampler2DArray u_leaf;        // six for each: axis, offset, where its first gate is, strips; then how far gates are open
+uniform vec4 u_eye;
+uniform float u_range;
+flat in int v_triangle;
+flat in vec4 v_normal;
+in vec3 v_offset;
+in vec4 v_uv;
+in float v_nearness;
+out uvec2 o_seen;
+const uint kNone = 0xffffffffu;
 float lwLeaf(int at) { return texelFetch(u_leaf, lwAddress(at), 0).r; }
 bool lwIsOpen(int leaf) {
   vec3 axis = vec3(lwLeaf(leaf * 6), lwLeaf(leaf * 6 + 1), lwLeaf(leaf * 6 + 2));
@@ -85,7 +89,7 @@ uint lwPatchOf(ivec2 texel) {
 void main() {
   uvec4 triangle = texelFetch(u_triangle, lwAddress(v_triangle), 0);
   if (triangle.x > 1u && lwIsOpen(int(triangle.x >> 1u) - 1)) discard;
-  if (triangle.y != kNone && lwLetsThrough(int(triangle.y))) discard;
+  if (triangle.y != kNone && lwLetsThrough(int(triangle.y), v_uv.zw)) discard;
   gl_FragDepth = u_eye.w > 0.0 ? u_eye.w * gl_FragCoord.w : v_nearness;
   float left = 1.0;
   if (u_range > 0.0) {

@@ -10,6 +10,7 @@ extern const char kVersionDesktop[], kVersionEmbedded[];
 extern const char kAddress[];     // lwAddress, lwPixel, lwIndex
 extern const char kVertex[];      // one triangle over everything
 extern const char kLight[], kAtlas[], kLocalBases[], kEnvironment[], kProbeLight[], kBlockers[], kLightmap[];  // public snippets
+extern const char kAlphaTest[];   // lwLetsThrough
 extern const char kOwnValue[];    // lwEntry, lwEmitted: what a texel shows, and what buried texels have themselves
 // Fragment shaders.
 extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kCoefficients[], kReconstruct[];
