@@ -1,23 +1,12 @@
 #include "precompute/atlas/coverage.h"
 
-#include <cfloat>
-
 namespace lightwell::atlas {
 namespace {
-
-/// Pieces smaller than this, both as a share of their triangle and in texel², come from rounding at texel corners.
-constexpr double kNegligible = 1e-7;
 
 struct TexelPatch {
   uint32_t texel;
   Patch patch;
 };
-
-double toTexels(float uv, int size) {
-  const double t = std::clamp(double(uv), 0.0, 1.0) * size;
-  const double nearest = std::round(t);
-  return std::abs(t - nearest) <= size * double(FLT_EPSILON) ? nearest : t;
-}
 
 std::vector<TexelPatch> clipTriangles(const scene::Mesh& mesh, const Atlas& atlas) {
   std::vector<TexelPatch> result;
@@ -28,8 +17,7 @@ std::vector<TexelPatch> clipTriangles(const scene::Mesh& mesh, const Atlas& atla
     cornersInTexels(mesh, atlas.uv, triangle, atlas.width, atlas.height, corner);
     const double area = triangleArea(mesh, triangle);
     clipToCells(corner, range, [&](long x, long y, const ClipPolygon& piece) {
-      const double share = piece.share();
-      if (share < kNegligible && piece.gridArea() < kNegligible) return;
+      if (format::isNegligible(piece)) return;
       const uint32_t texel = uint32_t(y) * uint32_t(atlas.width) + uint32_t(x);
       for (int i = 2; i < piece.count; ++i) {
         const float patch_area = float(area * piece.fanShare(i));
@@ -51,7 +39,7 @@ void cornersInTexels(const scene::Mesh& mesh, const std::vector<Vec2>& uv, uint3
   static constexpr double kBarycentric[3][2] = {{0, 0}, {1, 0}, {0, 1}};
   for (int k = 0; k < 3; ++k) {
     const Vec2& p = uv[mesh.triangles[triangle][k]];
-    corner[k] = {toTexels(p.x, width), toTexels(p.y, height), kBarycentric[k][0], kBarycentric[k][1]};
+    corner[k] = {format::toTexels(p.x, width), format::toTexels(p.y, height), kBarycentric[k][0], kBarycentric[k][1]};
   }
 }
 

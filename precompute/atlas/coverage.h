@@ -1,9 +1,11 @@
 // Which pieces of which triangles lie in which texel: exact coverage by polygon clipping.
 #pragma once
+#include "format/decode/texels.h"
 #include "precompute/atlas/atlas.h"
-#include "precompute/atlas/clip.h"
 
 namespace lightwell::atlas {
+
+using format::CellRange, format::ClipPolygon, format::ClipVertex, format::clipToCells;
 
 /// The corners of `triangle` in texels of a width × height grid, clamped to it. Corners that miss a texel border by no more than the
 /// rounding of a float UV are put on it, so that charts laid out on the grid do not touch the next texel by rounding.

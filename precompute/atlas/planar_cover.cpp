@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "precompute/atlas/clip.h"
+#include "precompute/atlas/coverage.h"
 
 namespace lightwell::atlas {
 namespace {

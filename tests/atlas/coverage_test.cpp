@@ -6,7 +6,6 @@
 #include <set>
 
 #include "precompute/atlas/atlas.h"
-#include "precompute/atlas/clip.h"
 #include "precompute/atlas/coverage.h"
 #include "precompute/core/random.h"
 #include "tests/atlas/scene_builder.h"

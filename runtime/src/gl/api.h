@@ -48,7 +48,7 @@ inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505, kTriangles = 0x0004, 
                       kStaticDraw = 0x88E4, kUniformBuffer = 0x8A11, kUniformBufferBinding = 0x8A28, kMaxUniformBlockSize = 0x8A30,
                       kUniformBlockDataSize = 0x8A40, kPoints = 0x0000, kOne = 0x0001, kGreater = 0x0204, kFuncAdd = 0x8006, kBlendEquationRgb = 0x8009,
                       kBlendDstRgb = 0x80C8, kBlendSrcRgb = 0x80C9, kBlendDstAlpha = 0x80CA, kBlendSrcAlpha = 0x80CB, kR8 = 0x8229,
-                      kProgramPointSize = 0x8642, kBlendEquationAlpha = 0x883D, kDepthComponent32f = 0x8CAC;
+                      kProgramPointSize = 0x8642, kBlendEquationAlpha = 0x883D, kDepthComponent32f = 0x8CAC, kColorBufferBit = 0x4000;
 /// What glGetUniformBlockIndex answers when there is no such block.
 inline constexpr uint32_t kInvalidIndex = 0xffffffffu;
 

@@ -1,6 +1,10 @@
 // What every upload does: scratch memory and lists of texels, the first failure kept.
 #pragma once
+#include <bit>
+#include <cstring>
+
 #include "runtime/src/gl/texture.h"
+#include "runtime/src/radiosity_view.h"
 
 namespace lightwell::runtime::gl {
 
@@ -20,6 +24,22 @@ class ListUploader {
     if (result_) return;
     name = createList(api_, format, count, data, texture_bytes_);
     if (!name) result_ = host_.fail(LW_LIMIT_EXCEEDED, "%llu elements are more than the context's texture arrays hold", static_cast<unsigned long long>(count));
+  }
+
+  /// What kAlphaTest reads.
+  void uploadAlpha(const AlphaSurfaces& alpha, Name& material_list, Name& alpha_list) {
+    Array<uint32_t> material;
+    if (!allocate(material, alpha.material.size() * 8)) return;
+    for (size_t m = 0; m < alpha.material.size(); ++m) {
+      const lw_alpha_material& surface = alpha.material[m];
+      const bool textured = surface.texture >= 0, blends = surface.mode != LW_ALPHA_MASK;
+      const uint32_t values[8] = {uint32_t(alpha.first_alpha[m]), textured ? surface.texture_width : 0, textured ? surface.texture_height : 0,
+                                  (surface.wrap_u & 3) | surface.wrap_v << 2, std::bit_cast<uint32_t>(surface.factor),
+                                  std::bit_cast<uint32_t>(blends ? 0.5f : surface.cutoff), std::bit_cast<uint32_t>(blends ? 1.0f : 0.0f), 0};
+      std::memcpy(&material[m * 8], values, sizeof values);
+    }
+    list(material_list, kTexelRgba32ui, alpha.material.size() * 2, material.data());
+    list(alpha_list, kTexelR8, alpha.alpha.size(), alpha.alpha.data());
   }
 
   const Api& api_;

@@ -30,7 +30,7 @@ void main() {
 
 // Where surfaces with alpha let light through.
 const char kAlphaTest[] = R"(
-uniform usampler2DArray u_alpha_material;  // two for each: first alpha, size, wrap modes; bits of factor and of the least that is opaque
+uniform usampler2DArray u_alpha_material;  // two for each: first alpha, size, wrap modes; bits of factor, of the least that is opaque, of 1 where it blends
 uniform sampler2DArray u_alpha;
 float lwWrapped(float at, uint mode, float size) {
   if (mode == 2u) return clamp(at, -1.0, size + 1.0);
@@ -39,7 +39,8 @@ float lwWrapped(float at, uint mode, float size) {
   return mode == 3u && at > size ? period - at : at;
 }
 int lwNeighbour(int at, uint mode, int size) { return mode == 1u ? (at + size) % size : clamp(at, 0, size - 1); }
-bool lwLetsThrough(int material, vec2 uv) {
+// The opacity there; from which one on the surface is there at all; 1: it blends.
+vec3 lwAlpha(int material, vec2 uv) {
   uvec4 texture_at = texelFetch(u_alpha_material, lwAddress(material * 2), 0);
   uvec4 limits = texelFetch(u_alpha_material, lwAddress(material * 2 + 1), 0);
   float value = uintBitsToFloat(limits.x);
@@ -55,7 +56,11 @@ bool lwLetsThrough(int material, vec2 uv) {
     }
     value *= sum;
   }
-  return value < uintBitsToFloat(limits.y);
+  return vec3(value, uintBitsToFloat(limits.yz));
+}
+bool lwLetsThrough(int material, vec2 uv) {
+  vec3 alpha = lwAlpha(material, uv);
+  return alpha.x < alpha.y;
 }
 )";
 

@@ -1,6 +1,5 @@
 // Uploading what injecting light needs: the container's triangles, and whose light each of their texels receives.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -29,7 +28,7 @@ class Uploader : ListUploader {
     uploadTriangles();
     makeLeaves();
     uploadPatches();
-    uploadAlpha();
+    uploadAlpha(from_.surfaces.alpha, out_.alpha_material, out_.alpha);
     if (!result_) makeView();
     if (!result_)
       if (const Enum error = api_.GetError(); error != kNoError)
@@ -94,22 +93,6 @@ class Uploader : ListUploader {
     }
     out_.texel_patches = createPicture(api_, kTexelRg32ui, int32_t(r.width), int32_t(r.height), kNearest, texel.data(), out_.texture_bytes);
     list(out_.patch, kTexelRgba32f, r.patches(), patch.data());
-  }
-
-  void uploadAlpha() {
-    const AlphaSurfaces& alpha = from_.surfaces.alpha;
-    Array<uint32_t> material;
-    if (!allocate(material, alpha.material.size() * 8)) return;
-    for (size_t m = 0; m < alpha.material.size(); ++m) {
-      const lw_alpha_material& surface = alpha.material[m];
-      const bool textured = surface.texture >= 0;
-      const uint32_t values[8] = {uint32_t(alpha.first_alpha[m]), textured ? surface.texture_width : 0, textured ? surface.texture_height : 0,
-                                  (surface.wrap_u & 3) | surface.wrap_v << 2, std::bit_cast<uint32_t>(surface.factor),
-                                  std::bit_cast<uint32_t>(surface.mode == LW_ALPHA_MASK ? surface.cutoff : 0.5f), 0, 0};
-      std::memcpy(&material[m * 8], values, sizeof values);
-    }
-    list(out_.alpha_material, kTexelRgba32ui, alpha.material.size() * 2, material.data());
-    list(out_.alpha, kTexelR8, alpha.alpha.size(), alpha.alpha.data());
   }
 
   void makeView() {

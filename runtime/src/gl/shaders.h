@@ -10,12 +10,14 @@ extern const char kVersionDesktop[], kVersionEmbedded[];
 extern const char kAddress[];     // lwAddress, lwPixel, lwIndex
 extern const char kVertex[];      // one triangle over everything
 extern const char kLight[], kAtlas[], kLocalBases[], kEnvironment[], kProbeLight[], kBlockers[], kLightmap[];  // public snippets
-extern const char kAlphaTest[];   // lwLetsThrough
+extern const char kAlphaTest[];   // lwAlpha, lwLetsThrough
 extern const char kOwnValue[];    // lwEntry, lwEmitted: what a texel shows, and what buried texels have themselves
 // Fragment shaders.
 extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kCoefficients[], kReconstruct[];
 extern const char kRadiosityPatches[], kRadiosityNodes[], kRadiosityGather[], kRadiosityShade[], kInjectSee[], kInjectAdd[], kProbes[];
-// Vertex shaders of light injection.
-extern const char kInjectSeeVertex[], kInjectAddVertex[];
+extern const char kVplDepth[], kVplIrradiance[], kVplLight[], kVplShow[];
+extern const char kHash[], kVplAlphaOn[];
+// Vertex shaders.
+extern const char kInjectSeeVertex[], kInjectAddVertex[], kVplDepthVertex[];
 
 }  // namespace lightwell::runtime::gl::glsl

@@ -1,9 +1,10 @@
-// Exact cutting of a triangle along the lines of a unit grid.
+// Which surface lies in which texel of the atlas: exact cutting of triangles along the lines of a unit grid.
 #pragma once
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 
-namespace lightwell::atlas {
+namespace lightwell::format {
 
 /// A point in grid coordinates with its barycentrics (1 − u − v, u, v) in the triangle that is cut.
 struct ClipVertex {
@@ -109,4 +110,17 @@ void clipToCells(const ClipVertex (&corner)[3], const CellRange& range, Emit&& e
   }
 }
 
-}  // namespace lightwell::atlas
+/// A light-map coordinate in texels of a grid of that size, clamped to it. What misses a texel's border by no more than the rounding of a float coordinate is put on it.
+inline double toTexels(float uv, int size) {
+  const double t = std::clamp(double(uv), 0.0, 1.0) * size;
+  const double nearest = std::round(t);
+  return std::abs(t - nearest) <= size * double(FLT_EPSILON) ? nearest : t;
+}
+
+/// Whether a piece comes from rounding at texels' corners.
+inline bool isNegligible(const ClipPolygon& piece) {
+  constexpr double kNegligible = 1e-7;  // both as a share of its triangle and in texel²
+  return piece.share() < kNegligible && piece.gridArea() < kNegligible;
+}
+
+}  // namespace lightwell::format

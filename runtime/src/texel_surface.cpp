@@ -1,0 +1,128 @@
+#include "runtime/src/texel_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "format/decode/texels.h"
+#include "runtime/src/form_factor.h"
+#include "runtime/src/geometry.h"
+
+namespace lightwell::runtime {
+namespace {
+
+Float3 vertex(const Array<float>& values, uint32_t index) { return {values[size_t(index) * 3], values[size_t(index) * 3 + 1], values[size_t(index) * 3 + 2]}; }
+float lengthOf(Float3 v) { return std::sqrt(dot(v, v)); }
+
+/// Meyer et al., "On Floating-Point Normal Vectors" (EGSR 2010): the unit sphere folded from an octahedron.
+void packNormal(Float3 n, float* packed) {
+  const float sum = std::abs(n.x) + std::abs(n.y) + std::abs(n.z), scale = sum > 0 ? 1 / sum : 0;
+  packed[0] = n.x * scale, packed[1] = n.y * scale;
+  if (n.z >= 0) return;
+  const float x = packed[0], y = packed[1];
+  packed[0] = std::copysign(1 - std::abs(y), x), packed[1] = std::copysign(1 - std::abs(x), y);
+}
+
+/// Sums over a texel's pieces of surface, weighted by area.
+struct Sum {
+  double position_m[3], area_m2;
+  Float3 shading, surface;
+};
+
+class Finder {
+ public:
+  Finder(const lw_container& container, TexelSurface& out) : container_(container), out_(out) {}
+
+  lw_result find(bool fill) {
+    lw_result result = decodeArray(&container_, LW_ARRAY_POSITION, position_m_);
+    if (!result) result = decodeArray(&container_, LW_ARRAY_NORMAL, normal_);
+    if (!result) result = decodeArray(&container_, LW_ARRAY_LIGHTMAP_UV, uv_);
+    if (!result) result = decodeArray(&container_, LW_ARRAY_INDEX, index_);
+    format::AtlasHeader header;
+    if (!result) result = readAtlasHeader(container_, header);
+    if (!result) result = number(header, fill);
+    if (result) return result;
+    if (!sum_.allocate(container_.host, values_)) return container_.host.fail(LW_OUT_OF_MEMORY, "no memory for the surfaces of %u texels", values_);
+    std::fill(sum_.begin(), sum_.end(), Sum{});
+    for (size_t t = 0; t < index_.size() / 3; ++t) addTriangle(&index_[t * 3]);
+    return pack();
+  }
+
+ private:
+  /// Numbers the texels with a value; own_ is the value of a texel's own surface.
+  lw_result number(const format::AtlasHeader& header, bool fill) {
+    out_.width = header.width, out_.height = header.height;
+    Array<uint32_t> source;
+    Array<uint8_t> coverage;
+    lw_result result = decodeArray(&container_, LW_ARRAY_ATLAS_SOURCE, source);
+    if (!result) result = decodeArray(&container_, LW_ARRAY_ATLAS_COVERAGE, coverage);
+    if (result) return result;
+    if (!own_.allocate(container_.host, source.size()) || !out_.value_of_texel.allocate(container_.host, source.size()))
+      return container_.host.fail(LW_OUT_OF_MEMORY, "no memory for an atlas of %zu texels", source.size());
+    for (size_t texel = 0; texel < source.size(); ++texel) own_[texel] = (fill ? source[texel] == texel : coverage[texel] != 0) ? values_++ : kNone;
+    for (size_t texel = 0; texel < source.size(); ++texel)
+      out_.value_of_texel[texel] = fill ? (source[texel] == kNone ? kNone : own_[source[texel]]) : own_[texel];
+    return LW_OK;
+  }
+
+  void addTriangle(const uint32_t* corner) {
+    Float3 position[3], normal[3];
+    format::ClipVertex clip[3];
+    for (int c = 0; c < 3; ++c) {
+      position[c] = vertex(position_m_, corner[c]), normal[c] = vertex(normal_, corner[c]);
+      const float* uv = &uv_[size_t(corner[c]) * 2];
+      clip[c] = {format::toTexels(uv[0], int(out_.width)), format::toTexels(uv[1], int(out_.height)), c == 1 ? 1.0 : 0.0, c == 2 ? 1.0 : 0.0};
+    }
+    const Float3 ab = position[1] - position[0], ac = position[2] - position[0], twice = cross(ab, ac);
+    const double area_m2 = std::max(0.5 * double(lengthOf(twice)), 1e-30);  // that every triangle has some
+    format::clipToCells(clip, {0, long(out_.width), 0, long(out_.height)}, [&](long x, long y, const format::ClipPolygon& piece) {
+      const uint32_t value = own_[size_t(y) * out_.width + size_t(x)];
+      if (value == kNone || format::isNegligible(piece)) return;
+      double share = 0, u = 0, v = 0;
+      for (int i = 2; i < piece.count; ++i) {
+        const double part = piece.fanShare(i);
+        share += part;
+        u += part * (piece.vertex[0].u + piece.vertex[i - 1].u + piece.vertex[i].u) / 3;
+        v += part * (piece.vertex[0].v + piece.vertex[i - 1].v + piece.vertex[i].v) / 3;
+      }
+      if (!(share > 0)) return;
+      const float s = float(u / share), t = float(v / share), weight = float(area_m2 * share);
+      Sum& sum = sum_[value];
+      const Float3 at = position[0] + ab * s + ac * t;
+      const float coordinate[3] = {at.x, at.y, at.z};
+      for (int k = 0; k < 3; ++k) sum.position_m[k] += double(coordinate[k]) * double(weight);
+      sum.area_m2 += double(weight);
+      const Float3 shading = normal[0] * (1 - s - t) + normal[1] * s + normal[2] * t;
+      sum.shading = sum.shading + shading * (weight / std::max(lengthOf(shading), 1e-20f));
+      sum.surface = sum.surface + twice * float(0.5 * share);
+    });
+  }
+
+  lw_result pack() {
+    if (!out_.place.allocate(container_.host, size_t(values_) * 4) || !out_.normal.allocate(container_.host, size_t(values_) * 4))
+      return container_.host.fail(LW_OUT_OF_MEMORY, "no memory for the surfaces of %u texels", values_);
+    for (size_t i = 0; i < values_; ++i) {
+      const Sum& sum = sum_[i];
+      if (!(sum.area_m2 > 0)) return container_.host.fail(LW_BAD_SECTION, "atlas/coverage: a covered texel lies under no triangle");
+      for (size_t k = 0; k < 3; ++k) out_.place[i * 4 + k] = float(sum.position_m[k] / sum.area_m2);
+      out_.place[i * 4 + 3] = 0.5f * float(std::sqrt(sum.area_m2));
+      // Where a texel is folded over, its normals may cancel: then either counts for both.
+      const bool has_shading = lengthOf(sum.shading) > 1e-3f * float(sum.area_m2), has_surface = lengthOf(sum.surface) > 1e-3f * float(sum.area_m2);
+      packNormal(has_shading || !has_surface ? sum.shading : sum.surface, &out_.normal[i * 4]);
+      packNormal(has_surface ? sum.surface : sum.shading, &out_.normal[i * 4 + 2]);
+    }
+    return LW_OK;
+  }
+
+  const lw_container& container_;
+  TexelSurface& out_;
+  Array<float> position_m_, normal_, uv_;
+  Array<uint32_t> index_, own_;
+  Array<Sum> sum_;
+  uint32_t values_ = 0;
+};
+
+}  // namespace
+
+lw_result findTexelSurface(const lw_container& container, bool fill, TexelSurface& surface) { return Finder(container, surface).find(fill); }
+
+}  // namespace lightwell::runtime
