@@ -56,6 +56,7 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
                   "things are near each other and large elsewhere")
       ->type_name("D")
       ->check(CLI::Range(plan::kLeastRadiosityDensity, 1.0f));
+  command.add_flag("--directional", options.request.settings.directional, "With lightmap: how light changes with the normal too, for normal-mapped surfaces");
   command.add_option("--virtual-light", options.virtual_light, "With vpl: what virtual lights are; auto: by expected error, each of them")
       ->type_name("NAME")
       ->check(CLI::IsMember(plan::virtualLightShapeNames()))
@@ -125,6 +126,7 @@ void resolve(BakeOptions& options) {
   }
   plan::checkPrm(settings);
   plan::checkRadiosity(settings);
+  plan::checkLightmap(settings);
   plan::checkVirtualLights(settings);
   plan::checkEnvironment(settings);
   const bake::SceneSource& source = options.request.source;

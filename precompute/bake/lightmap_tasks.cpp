@@ -15,7 +15,7 @@ constexpr uint32_t kSidesPerTask = 2048, kPatchesPerTask = 512, kSlotsPerTask = 
 
 /// All that shines.
 Parameters lightParameters(const BakeContext& context, const transport::LightmapSettings& s) {
-  return Parameters(context.keys().geometry).add(context.keys().emission).add(context.keys().lights).add(context.skyKey()).add(s.direct.samples, s.seed);
+  return Parameters(context.keys().geometry).add(context.keys().emission).add(context.keys().lights).add(context.skyKey()).add(s.direct.samples, s.directional, s.seed);
 }
 
 }  // namespace
@@ -23,6 +23,7 @@ Parameters lightParameters(const BakeContext& context, const transport::Lightmap
 transport::LightmapSettings lightmapSettings(const plan::Settings& settings) {
   transport::LightmapSettings lightmap;
   lightmap.seed = settings.seed;
+  lightmap.directional = settings.directional;
   transport::DirectOptions& direct = lightmap.direct;
   switch (settings.quality) {
     case plan::Quality::draft:
@@ -65,7 +66,7 @@ LightmapTasks addLightmapTasks(TaskGraph& graph, const BakeContext& context, con
   LightmapTasks tasks;
   const auto first = addRange(graph, "lightmap", "first light", lightParameters(context, settings), baker->sideCount(), kSidesPerTask, d.samples, {},
                               [baker](uint32_t begin, uint32_t end, const TaskInputs& in) { return baker->firstLight(begin, end, in.cancel); });
-  tasks.direct = addRange(graph, "lightmap", "direct light", lightParameters(context, settings).add(d.most_samples, d.error, d.soft_samples), baker->sideCount(),
+  tasks.direct = addRange(graph, "lightmap", "direct light", lightParameters(context, settings).add(d.most_samples, d.edge_samples, d.error, d.soft_samples), baker->sideCount(),
                           kSidesPerTask, 4 * d.samples, first, [baker](uint32_t begin, uint32_t end, const TaskInputs& in) {
                             return baker->directLight(begin, end, viewsOf(in.inputs), in.cancel);
                           });
@@ -79,7 +80,7 @@ LightmapTasks addLightmapTasks(TaskGraph& graph, const BakeContext& context, con
                                            const auto views = viewsOf(in.inputs);
                                            return baker->radiosity(std::span(views).first(count), std::span(views).subspan(count), in.cancel);
                                          }});
-  tasks.gathered = addRange(graph, "lightmap", "gather", Parameters(reflection).add(settings.gather_rays), baker->slotCount(), kSlotsPerTask, settings.gather_rays,
+  tasks.gathered = addRange(graph, "lightmap", "gather", Parameters(reflection).add(settings.gather_rays, settings.directional), baker->slotCount(), kSlotsPerTask, settings.gather_rays,
                             {radiosity}, [baker](uint32_t begin, uint32_t end, const TaskInputs& in) { return baker->gather(begin, end, *in.inputs[0], in.cancel); });
   return tasks;
 }

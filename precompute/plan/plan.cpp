@@ -57,6 +57,11 @@ void checkRadiosity(const Settings& settings) {
     throw UsageError(std::string(settings.probe_spacing_m != 0 ? "--probe-spacing" : "--probes") + ": probes are lit by radiosity: --techniques radiosity");
 }
 
+void checkLightmap(const Settings& settings) {
+  if (settings.directional && std::find(settings.techniques.begin(), settings.techniques.end(), Technique::lightmap) == settings.techniques.end())
+    throw UsageError("--directional: light maps are baked with --techniques lightmap");
+}
+
 void checkVirtualLights(const Settings& settings) {
   const bool asked = settings.virtual_lights != 0 || settings.virtual_light != VirtualLightShape::automatic;
   if (asked && std::find(settings.techniques.begin(), settings.techniques.end(), Technique::vpl) == settings.techniques.end())
@@ -74,6 +79,7 @@ void checkEnvironment(const Settings& settings) {
 Plan makePlan(const SceneFacts& facts, const Settings& settings) {
   checkPrm(settings);
   checkRadiosity(settings);
+  checkLightmap(settings);
   checkVirtualLights(settings);
   checkEnvironment(settings);
   const bool automatic = settings.techniques.empty();

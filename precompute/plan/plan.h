@@ -43,6 +43,8 @@ void checkPrm(const Settings& settings);
 
 /// Throws UsageError for a density that no light map can be divided by, and for probes without radiosity.
 void checkRadiosity(const Settings& settings);
+/// Throws UsageError for a directional light map without --techniques lightmap.
+void checkLightmap(const Settings& settings);
 /// Throws UsageError for virtual lights without --techniques vpl.
 void checkVirtualLights(const Settings& settings);
 /// Throws UsageError for numbers of samples and cells that no environment can have.

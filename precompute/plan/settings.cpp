@@ -167,6 +167,7 @@ std::string canonicalJson(const Settings& settings) {
               {"prm_entries", settings.prm_entries},
               {"prm_clusters", settings.prm_clusters},
               {"radiosity_density", settings.radiosity_density},
+              {"directional", settings.directional},
               {"virtual_light", name(settings.virtual_light)},
               {"virtual_lights", settings.virtual_lights},
               {"points", settings.points},
@@ -222,6 +223,9 @@ Settings settingsFromJson(std::string_view text) {
       settings.prm_clusters = requiredCount(key, value, kMostPrmClusters);
     } else if (key == "radiosity_density") {
       settings.radiosity_density = requiredNumber(key, value, 0, 1);
+    } else if (key == "directional") {
+      if (!value.is_boolean()) throw UsageError("settings: \"directional\" must be true or false");
+      settings.directional = value.get<bool>();
     } else if (key == "virtual_light") {
       settings.virtual_light = required(kVirtualLightShapes, key, value);
     } else if (key == "virtual_lights") {

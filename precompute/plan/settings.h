@@ -55,6 +55,7 @@ struct Settings {
   uint32_t prm_entries = 0;           // entry points over all clusters, about, up to kMostPrmEntries; 0: the quality's
   uint32_t prm_clusters = 0;          // clusters of entry points, about, up to kMostPrmClusters (panes: kMostPrmPanes); 0: the quality's
   float radiosity_density = 0;        // patches per light-map texel along a side, rounded to a power of two, kLeastRadiosityDensity to 1; 0: adaptive
+  bool directional = false;           // the section lightmap also says how light changes with the normal
   VirtualLightShape virtual_light = VirtualLightShape::automatic;
   uint32_t virtual_lights = 0;        // aimed at, up to kMostVirtualLights; 0: the quality's
   uint32_t points = 0;                // on surfaces, for shadow maps of lights that move, up to kMostPoints; 0: no section points

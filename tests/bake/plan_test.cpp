@@ -84,6 +84,17 @@ TEST(Plan, NumbersThatNoEnvironmentCanHaveAreAUsageError) {
   EXPECT_THROW(makePlan(kRoom, settings), UsageError);
 }
 
+TEST(Plan, OnlyALightMapIsDirectional) {
+  SceneFacts lit = kRoom;
+  lit.has_lamps = true;
+  Settings settings;
+  settings.directional = true;
+  settings.techniques = {Technique::lightmap};
+  EXPECT_TRUE(makePlan(lit, settings).lightmap);
+  settings.techniques = {};
+  EXPECT_THROW(makePlan(lit, settings), UsageError);
+}
+
 TEST(Plan, VirtualLightsAreBakedWhenAskedFor) {
   SceneFacts lit = kRoom;
   lit.has_lamps = true;
@@ -133,6 +144,7 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   settings.radiosity_density = 0.5f;
   settings.probe_spacing_m = kAutomaticProbeSpacing;
   settings.probe_points_m = {{1.5, -2, 0.25}};
+  settings.directional = true;
   settings.virtual_light = VirtualLightShape::disk;
   settings.virtual_lights = 77;
   settings.points = 4096;
@@ -142,7 +154,7 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   const std::string json = canonicalJson(settings);
   EXPECT_EQ(canonicalJson(settingsFromJson(json)), json);
   EXPECT_EQ(json,
-            R"({"environment_ground":[1.0,2.0,0.25],"environment_intensity":0.5,"environment_rotation_deg":-90.0,"environment_samples":32,)"
+            R"({"directional":true,"environment_ground":[1.0,2.0,0.25],"environment_intensity":0.5,"environment_rotation_deg":-90.0,"environment_samples":32,)"
             R"("light_units":"raw","lightmap_size":33,"points":4096,"portals":[],"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
             R"("probe_points_m":[[1.5,-2.0,0.25]],"probe_spacing_m":"auto","quality":"draft","radiosity_density":0.5,"refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"],"virtual_light":"disk","virtual_lights":77})");
   EXPECT_EQ(settingsFromJson(json).environment, settings.environment);

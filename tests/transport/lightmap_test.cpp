@@ -106,7 +106,7 @@ TEST(Lightmap, SharingTakesNoiseAwayAndLeavesEdges) {
     noisy.b_rgb.emplace_back(truth(slot) * (1 + 0.7f * (sampler.get1D(0, 1) - 0.5f)));
   }
   const std::vector<float> exposed(p.atlas.slots.size(), 1.0f);
-  const auto shared = shareIrradiance(p.atlas, exposed, noisy, 2, nullptr);
+  const auto shared = shareIrradiance(p.atlas, exposed, noisy, 2, nullptr).irradiance_rgb;
   double before = 0, after = 0, edge = 0;
   int edges = 0;
   for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot) {

@@ -25,22 +25,62 @@ Bytes bytesOf(const std::vector<T>& values) {
   return writer.take();
 }
 
-/// Per side. Without emitters and a sky, nothing is soft.
+void write(ByteWriter& writer, const GatheredPair& pair) {
+  writer.array(pair.a_rgb);
+  writer.array(pair.b_rgb);
+  writer.array(pair.gradient);
+}
+
+void appendPair(ByteReader& reader, GatheredPair& pair) {
+  append(pair.a_rgb, reader.array<Rgb>());
+  append(pair.b_rgb, reader.array<Rgb>());
+  const auto gradient = reader.array<Vec3>();
+  pair.gradient.insert(pair.gradient.end(), gradient.begin(), gradient.end());
+}
+
+void requirePair(const GatheredPair& pair, size_t count, bool directional) {
+  require(pair.a_rgb.size() == count && pair.b_rgb.size() == count && pair.gradient.size() == (directional ? count : 0));
+}
+
+Rgb meanOf(const GatheredPair& pair, size_t i) { return (pair.a_rgb[i] + pair.b_rgb[i]) * 0.5f; }
+
+/// Per side. Without light that is soft, `soft` is empty.
 struct DirectLight {
-  std::vector<Rgb> lamps_rgb;
-  GatheredPair soft;
+  GatheredPair hard, soft;
 };
 
-DirectLight readDirect(std::span<const ByteView> parts, size_t count, bool has_soft) {
+DirectLight readDirect(std::span<const ByteView> parts, size_t count, bool has_soft, bool directional) {
   DirectLight light;
   for (const ByteView bytes : parts) {
     ByteReader reader(bytes);
-    append(light.lamps_rgb, reader.array<Rgb>());
-    append(light.soft.a_rgb, reader.array<Rgb>());
-    append(light.soft.b_rgb, reader.array<Rgb>());
+    appendPair(reader, light.hard);
+    appendPair(reader, light.soft);
   }
-  require(light.lamps_rgb.size() == count && light.soft.a_rgb.size() == (has_soft ? count : 0) && light.soft.b_rgb.size() == light.soft.a_rgb.size());
+  requirePair(light.hard, count, directional);
+  requirePair(light.soft, has_soft ? count : 0, directional);
   return light;
+}
+
+void resize(GatheredPair& pair, size_t count) {
+  pair.a_rgb.resize(count);
+  pair.b_rgb.resize(count);
+  if (!pair.gradient.empty()) pair.gradient.resize(count);
+}
+
+/// Adds what is shared to the light of a map.
+void add(const SharedLight& shared, std::vector<Rgb>& irradiance_rgb, std::vector<Vec3>& gradient) {
+  irradiance_rgb.resize(shared.irradiance_rgb.size(), Rgb(0.0f));
+  for (size_t i = 0; i < irradiance_rgb.size(); ++i) irradiance_rgb[i] += shared.irradiance_rgb[i];
+  gradient.resize(shared.gradient.size(), Vec3(0.0f));
+  for (size_t i = 0; i < gradient.size(); ++i) gradient[i] += shared.gradient[i];
+}
+
+/// From irradiance times change to change.
+void normalise(const std::vector<Rgb>& irradiance_rgb, std::vector<Vec3>& gradient) {
+  for (size_t i = 0; i < gradient.size(); ++i) {
+    const float irradiance = luminance(irradiance_rgb[i]);
+    gradient[i] = irradiance > 0.0f ? gradient[i] / irradiance : Vec3(0.0f);
+  }
 }
 
 }  // namespace
@@ -53,7 +93,9 @@ struct LightmapBaker::Impl {
   LightmapSettings settings;
   Sides sides;
   Emitters emitters;
+  PlainEmitters plain_emitters;
   PunctualLights punctual;
+  TiltKernel tilt_kernel = {};
   const scene::Scene nothing = {};
   const Emitters no_emitters{nothing};
   const PunctualLights no_lamps{nothing.lights};
@@ -61,12 +103,18 @@ struct LightmapBaker::Impl {
 
   const Patches& patches() const { return exposed_patches.patches; }
   const std::vector<float>& exposed() const { return exposed_patches.exposed; }
-  PathContext lamps(const CancelFlag& cancel) const { return {scene, atlas, tracer, no_emitters, punctual, nullptr, Component::direct, &cancel}; }
-  PathContext softLights(const CancelFlag& cancel) const { return {scene, atlas, tracer, emitters, no_lamps, sky, Component::direct, &cancel}; }
-  bool hasSoftLights() const { return sky || !emitters.empty(); }
+  const TiltKernel* tilt() const { return settings.directional ? &tilt_kernel : nullptr; }
+  DirectSampler::Context hardLights(const CancelFlag& cancel) const {
+    return {scene, atlas, tracer, sides, punctual, plain_emitters, tilt(), &cancel, settings.seed};
+  }
+  /// Emitters are sampled one way or the other.
+  const Emitters& softEmitters() const { return plain_emitters.empty() ? emitters : no_emitters; }
+  PathContext softLights(const CancelFlag& cancel) const { return {scene, atlas, tracer, softEmitters(), no_lamps, sky, Component::direct, &cancel}; }
+  bool hasSoftLights() const { return sky || !softEmitters().empty(); }
   DirectOptions direct() const {
     DirectOptions options = settings.direct;
     options.seed = settings.seed;
+    options.tilt = tilt();
     return options;
   }
 };
@@ -84,7 +132,7 @@ Bytes makeLightmapPatchBytes(const scene::Scene& scene, const atlas::Atlas& atla
 
 LightmapBaker::LightmapBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const std::vector<scene::Light>& lights,
                              const SkyLight* sky, const LightmapSettings& settings, ByteView patches)
-    : impl_(new Impl{scene, atlas, tracer, sky, settings, surfaceSides(atlas), Emitters(scene), PunctualLights(lights)}) {
+    : impl_(new Impl{scene, atlas, tracer, sky, settings, surfaceSides(atlas), Emitters(scene), PlainEmitters(scene), PunctualLights(lights)}) {
   impl_->exposed_patches = readPatches(patches, impl_->sides.slot.size());
   colorPatches(atlas, impl_->sides, impl_->exposed(), impl_->exposed_patches.patches);
 }
@@ -96,17 +144,13 @@ uint32_t LightmapBaker::patchCount() const { return impl_->patches().count(); }
 uint32_t LightmapBaker::slotCount() const { return impl_->sides.front_count; }
 
 Bytes LightmapBaker::firstLight(uint32_t first, uint32_t end, const CancelFlag& cancel) const {
-  return bytesOf(firstDirectLight(impl_->lamps(cancel), impl_->sides, impl_->direct(), first, end));
+  return bytesOf(firstDirectLight(impl_->hardLights(cancel), impl_->direct(), first, end));
 }
 
 Bytes LightmapBaker::directLight(uint32_t first, uint32_t end, std::span<const ByteView> first_light, const CancelFlag& cancel) const {
-  DirectLight light;
-  light.lamps_rgb = transport::directLight(impl_->lamps(cancel), impl_->sides, impl_->direct(), joined(first_light, sideCount()), first, end);
-  if (impl_->hasSoftLights()) light.soft = softLight(impl_->softLights(cancel), impl_->sides, impl_->direct(), first, end);
   ByteWriter writer;
-  writer.array(light.lamps_rgb);
-  writer.array(light.soft.a_rgb);
-  writer.array(light.soft.b_rgb);
+  write(writer, transport::directLight(impl_->hardLights(cancel), impl_->direct(), joined(first_light, sideCount()), first, end));
+  write(writer, impl_->hasSoftLights() ? softLight(impl_->softLights(cancel), impl_->sides, impl_->direct(), first, end) : GatheredPair{});
   return writer.take();
 }
 
@@ -134,44 +178,39 @@ Bytes LightmapBaker::radiosity(std::span<const ByteView> direct, std::span<const
     count += part.first.size() - 1;
   }
   require(count == patchCount());
-  DirectLight light = readDirect(direct, sideCount(), impl_->hasSoftLights());
-  for (size_t side = 0; side < light.soft.a_rgb.size(); ++side) light.lamps_rgb[side] += (light.soft.a_rgb[side] + light.soft.b_rgb[side]) * 0.5f;
-  return bytesOf(sideRadiosity(impl_->atlas, impl_->tracer, impl_->sides, impl_->patches(), parts, impl_->settings.cache_rays, impl_->exposed(),
-                               light.lamps_rgb, &cancel));
+  const DirectLight light = readDirect(direct, sideCount(), impl_->hasSoftLights(), impl_->settings.directional);
+  std::vector<Rgb> direct_rgb(sideCount());
+  for (size_t side = 0; side < direct_rgb.size(); ++side) direct_rgb[side] = meanOf(light.hard, side) + (light.soft.a_rgb.empty() ? Rgb(0.0f) : meanOf(light.soft, side));
+  return bytesOf(sideRadiosity(impl_->atlas, impl_->tracer, impl_->sides, impl_->patches(), parts, impl_->settings.cache_rays, impl_->exposed(), direct_rgb, &cancel));
 }
 
 Bytes LightmapBaker::gather(uint32_t first, uint32_t end, ByteView radiosity, const CancelFlag& cancel) const {
   const auto radiosity_rgb = joined(std::span(&radiosity, 1), sideCount());
-  const GatheredPair pair = gatherSlots(impl_->scene, impl_->atlas, impl_->tracer, impl_->sides, radiosity_rgb, impl_->settings.gather_rays, impl_->settings.seed,
-                                        first, end, &cancel);
   ByteWriter writer;
-  writer.array(pair.a_rgb);
-  writer.array(pair.b_rgb);
+  write(writer, gatherSlots(impl_->scene, impl_->atlas, impl_->tracer, impl_->sides, radiosity_rgb, impl_->settings.gather_rays, impl_->settings.seed, impl_->tilt(),
+                            first, end, &cancel));
   return writer.take();
 }
 
 Lightmap LightmapBaker::assemble(std::span<const ByteView> direct, std::span<const ByteView> gathered, int threads, const CancelFlag& cancel) const {
   Lightmap map;
   const auto exposed = std::span(impl_->exposed()).first(slotCount());
-  DirectLight light = readDirect(direct, sideCount(), impl_->hasSoftLights());
-  map.direct_rgb = std::move(light.lamps_rgb);
-  map.direct_rgb.resize(slotCount());
-  if (impl_->hasSoftLights()) {
-    light.soft.a_rgb.resize(slotCount());
-    light.soft.b_rgb.resize(slotCount());
-    const auto soft_rgb = shareIrradiance(impl_->atlas, exposed, light.soft, threads, &cancel);
-    for (uint32_t slot = 0; slot < slotCount(); ++slot) map.direct_rgb[slot] += soft_rgb[slot];
-  }
+  const auto share = [&](GatheredPair pair) {
+    resize(pair, slotCount());
+    return shareIrradiance(impl_->atlas, exposed, pair, threads, &cancel);
+  };
+  const DirectLight light = readDirect(direct, sideCount(), impl_->hasSoftLights(), impl_->settings.directional);
+  add(share(light.hard), map.direct_rgb, map.direct_gradient);
+  if (impl_->hasSoftLights()) add(share(light.soft), map.direct_rgb, map.direct_gradient);
   GatheredPair pair;
   for (const ByteView bytes : gathered) {
     ByteReader reader(bytes);
-    const auto a_rgb = reader.array<Rgb>(), b_rgb = reader.array<Rgb>();
-    require(a_rgb.size() == b_rgb.size());
-    append(pair.a_rgb, a_rgb);
-    append(pair.b_rgb, b_rgb);
+    appendPair(reader, pair);
   }
-  require(pair.a_rgb.size() == slotCount());
-  map.indirect_rgb = shareIrradiance(impl_->atlas, exposed, pair, threads, &cancel);
+  requirePair(pair, slotCount(), impl_->settings.directional);
+  add(share(pair), map.indirect_rgb, map.indirect_gradient);
+  normalise(map.direct_rgb, map.direct_gradient);
+  normalise(map.indirect_rgb, map.indirect_gradient);
   return map;
 }
 

@@ -3,8 +3,8 @@
 //   first light(sides) ─▶ direct light(sides) ─┐
 //   rows(patches) ─────────────────────────────┴▶ radiosity ─▶ gather(slots) ─▶ assemble
 //
-// Light of lamps is sampled, with more samples where shadows have their edges; that of emitters and the sky is shared between texels as indirect light is. Indirect light is one gathering step from every texel into a coarse solution
-// of all bounces, shared between texels as far as it is smooth.
+// Light of lamps and plain emitters is sampled, with more samples where shadows have their edges. Indirect light is one gathering step from every texel into a coarse solution of all
+// bounces. All of it is shared between texels as far as it is smooth.
 #pragma once
 #include <memory>
 
@@ -19,12 +19,14 @@ struct LightmapSettings {
   PatchOptions patches{.coarsest = 4, .most = 8000};
   uint32_t cache_rays = 256;   // per patch
   uint32_t gather_rays = 128;  // per texel, even
+  bool directional = false;    // how light changes with the normal is wanted too
   uint64_t seed = 1;
 };
 
 /// Irradiance per slot of the atlas: means over its whole surface.
 struct Lightmap {
   std::vector<Rgb> direct_rgb, indirect_rgb;
+  std::vector<Vec3> direct_gradient, indirect_gradient;  // tilt.h; empty unless directional
 };
 
 /// The patches that the coarse solution lives on, and which parts of the surface are exposed.
@@ -43,7 +45,7 @@ class LightmapBaker {
   uint32_t patchCount() const;
   uint32_t slotCount() const;
 
-  /// A few samples of the lamps' light on each of the sides [first, end).
+  /// A few samples of the light of lamps and plain emitters on each of the sides [first, end).
   Bytes firstLight(uint32_t first, uint32_t end, const CancelFlag& cancel) const;
   /// Direct light on these sides, as exact as settings want. `first_light` of all sides, in range order.
   Bytes directLight(uint32_t first, uint32_t end, std::span<const ByteView> first_light, const CancelFlag& cancel) const;

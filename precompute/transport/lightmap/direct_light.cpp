@@ -7,47 +7,40 @@
 namespace lightwell::transport {
 namespace {
 
-constexpr uint32_t kGroups = 4;          // independently scrambled: their scatter tells the error
+constexpr uint64_t kSoftStream = 10ull << 40;
 constexpr uint32_t kBatchPaths = 4096;
-constexpr float kMostContrast = 0.25f;       // between a texel and its neighbours, for few samples to be believed
-constexpr uint32_t kSamplesAtContrast = 256;
+constexpr float kMostContrast = 0.25f;  // between a texel and its neighbours, for few samples to be believed
 
-/// The samples of one side so far.
-struct Sums {
+/// Of emitters and the sky.
+struct SoftSums {
   uint32_t side;
-  std::array<Vec3d, kGroups> sum{};
-  uint32_t count = 0;  // of each group
-
-  Vec3d mean() const {
-    Vec3d total(0.0);
-    for (const Vec3d& s : sum) total += s;
-    return total / double(kGroups * count);
-  }
-  double standardError() const {
-    const double middle = luminance(Rgb(mean()));
-    double scatter = 0;
-    for (const Vec3d& s : sum) scatter += std::pow(luminance(Rgb(s / double(count))) - middle, 2.0);
-    return std::sqrt(scatter / (kGroups * (kGroups - 1)));
-  }
+  std::array<Vec3d, kSampleGroups> sum{};
+  Vec3d gradient{0, 0, 0};  // weighted by luminance, of all groups
+  uint32_t count = 0;       // of each group
 };
 
-/// Adds samples to all of `sides`, until each group has `count`.
-void sample(const PathContext& context, const Sides& sides, uint64_t seed, uint32_t count, std::span<Sums*> list) {
+/// Gives each of `list` `count` samples in each group.
+void sampleSoftLight(const PathContext& context, const Sides& sides, const DirectOptions& options, uint32_t count, std::span<SoftSums*> list) {
   PathBatch batch(context);
   std::vector<PathStart> starts;
-  std::vector<std::pair<Sums*, uint32_t>> owner;  // and group
+  std::vector<std::pair<SoftSums*, uint32_t>> owner;  // and group
   std::vector<Rgb> irradiance_rgb;
+  const PathBatch::Arrival arrival = [&](uint32_t start, const Vec3& direction, const Rgb& arrived_rgb) {
+    SoftSums& sums = *owner[start].first;
+    const Vec3& normal = context.atlas.slots[sides.slot[sums.side]].normal;
+    sums.gradient += Vec3d(options.tilt->gradient(sides.isBack(sums.side) ? -normal : normal, direction)) * double(luminance(arrived_rgb));
+  };
   const auto flush = [&] {
-    batch.trace(starts, irradiance_rgb);
+    batch.trace(starts, irradiance_rgb, options.tilt ? &arrival : nullptr);
     for (size_t i = 0; i < starts.size(); ++i) owner[i].first->sum[owner[i].second] += Vec3d(irradiance_rgb[i]);
     starts.clear(), owner.clear();
   };
-  for (Sums* sums : list) {
+  for (SoftSums* sums : list) {
     const uint32_t slot = sides.slot[sums->side];
-    for (uint32_t i = sums->count; i < count; ++i)
-      for (uint32_t group = 0; group < kGroups; ++group) {
-        const uint64_t owner_key = combineKeys(uint64_t(sums->side) + (5ull << 40), group);
-        starts.push_back({slot, i, Sampler(seed, owner_key), combineKeys(combineKeys(seed, owner_key), i), sides.isBack(sums->side)});
+    for (uint32_t i = 0; i < count; ++i)
+      for (uint32_t group = 0; group < kSampleGroups; ++group) {
+        const uint64_t owner_key = combineKeys(uint64_t(sums->side) + kSoftStream, group);
+        starts.push_back({slot, i, Sampler(options.seed, owner_key), combineKeys(combineKeys(options.seed, owner_key), i), sides.isBack(sums->side)});
         owner.emplace_back(sums, group);
       }
     sums->count = count;
@@ -81,13 +74,8 @@ float contrast(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_rgb, u
   return most;
 }
 
-std::vector<Rgb> means(std::span<const Sums> all) {
-  std::vector<Rgb> irradiance_rgb;
-  for (const Sums& sums : all) irradiance_rgb.push_back(Rgb(sums.mean()));
-  return irradiance_rgb;
-}
-
 /// Sums of the sides [first, end), and pointers to all of them.
+template <class Sums>
 struct SideSums {
   std::vector<Sums> all;
   std::vector<Sums*> list;
@@ -101,39 +89,48 @@ struct SideSums {
 
 }  // namespace
 
-std::vector<Rgb> firstDirectLight(const PathContext& context, const Sides& sides, const DirectOptions& options, uint32_t first, uint32_t end) {
-  SideSums sums(first, end);
-  sample(context, sides, options.seed, options.samples / kGroups, sums.list);
-  return means(sums.all);
+std::vector<Rgb> firstDirectLight(const DirectSampler::Context& context, const DirectOptions& options, uint32_t first, uint32_t end) {
+  SideSums<DirectSums> sums(first, end);
+  DirectSampler(context).sample(options.samples / kSampleGroups, sums.list);
+  std::vector<Rgb> irradiance_rgb;
+  for (const DirectSums& s : sums.all) irradiance_rgb.push_back(Rgb(s.mean()));
+  return irradiance_rgb;
 }
 
-std::vector<Rgb> directLight(const PathContext& context, const Sides& sides, const DirectOptions& options, std::span<const Rgb> first_light_rgb, uint32_t first,
-                             uint32_t end) {
+GatheredPair directLight(const DirectSampler::Context& context, const DirectOptions& options, std::span<const Rgb> first_light_rgb, uint32_t first, uint32_t end) {
   const float dark = 0.1f * meanIrradiance(context.atlas, first_light_rgb);
-  SideSums sums(first, end);
-  std::vector<Sums*> open = sums.list;
-  for (uint32_t count = options.samples / kGroups; !open.empty(); count *= 4) {
-    sample(context, sides, options.seed, count, open);
-    if (4 * count * kGroups > options.most_samples) break;
-    std::erase_if(open, [&](const Sums* s) {
-      if (sides.isBack(s->side)) return true;
-      if (count * kGroups < kSamplesAtContrast && contrast(context.atlas, first_light_rgb, s->side, dark) > kMostContrast) return false;
+  SideSums<DirectSums> sums(first, end);
+  DirectSampler sampler(context);
+  std::vector<DirectSums*> open = sums.list;
+  for (uint32_t count = options.samples / kSampleGroups; !open.empty(); count *= 4) {
+    sampler.sample(count, open);
+    if (4 * count * kSampleGroups > options.most_samples) break;
+    std::erase_if(open, [&](const DirectSums* s) {
+      if (context.sides.isBack(s->side)) return true;
+      if (count * kSampleGroups < options.edge_samples && contrast(context.atlas, first_light_rgb, s->side, dark) > kMostContrast) return false;
       return s->standardError() <= options.error * (luminance(Rgb(s->mean())) + dark);
     });
   }
-  return means(sums.all);
+  GatheredPair pair;
+  for (const DirectSums& s : sums.all) {
+    pair.a_rgb.push_back(Rgb(s.mean(0, kSampleGroups / 2)));
+    pair.b_rgb.push_back(Rgb(s.mean(kSampleGroups / 2, kSampleGroups)));
+    if (context.tilt) pair.gradient.push_back(s.gradient());
+  }
+  return pair;
 }
 
 GatheredPair softLight(const PathContext& context, const Sides& sides, const DirectOptions& options, uint32_t first, uint32_t end) {
-  SideSums sums(first, end);
-  const uint32_t count = std::max(1u, options.soft_samples / kGroups), back_count = std::max(1u, count / 8);
-  const auto backs = std::partition(sums.list.begin(), sums.list.end(), [&](const Sums* s) { return !sides.isBack(s->side); });
-  sample(context, sides, options.seed, count, std::span(sums.list.begin(), backs));
-  sample(context, sides, options.seed, back_count, std::span(backs, sums.list.end()));
+  SideSums<SoftSums> sums(first, end);
+  const uint32_t count = std::max(1u, options.soft_samples / kSampleGroups), back_count = std::max(1u, count / 8);
+  const auto backs = std::partition(sums.list.begin(), sums.list.end(), [&](const SoftSums* s) { return !sides.isBack(s->side); });
+  sampleSoftLight(context, sides, options, count, std::span(sums.list.begin(), backs));
+  sampleSoftLight(context, sides, options, back_count, std::span(backs, sums.list.end()));
   GatheredPair pair;
-  for (const Sums& s : sums.all) {
+  for (const SoftSums& s : sums.all) {
     pair.a_rgb.push_back(Rgb((s.sum[0] + s.sum[1]) / double(2 * s.count)));
     pair.b_rgb.push_back(Rgb((s.sum[2] + s.sum[3]) / double(2 * s.count)));
+    if (options.tilt) pair.gradient.push_back(Vec3(s.gradient / double(kSampleGroups * s.count)));
   }
   return pair;
 }

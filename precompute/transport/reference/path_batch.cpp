@@ -44,9 +44,13 @@ PathVertex vertexAt(const scene::Mesh& mesh, const trace::Hit& hit) {
 
 }  // namespace
 
-void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& irradiance_rgb) {
+void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& irradiance_rgb, const Arrival* arrival) {
   const auto& [scene, atlas, tracer, emitters, punctual, sky, component, cancel] = context_;
   irradiance_rgb.assign(starts.size(), Rgb(0.0f));
+  const auto add = [&](uint32_t path_index, const trace::Ray& ray, const Rgb& arrived_rgb) {
+    irradiance_rgb[path_index] += arrived_rgb;
+    if (arrival && maxComponent(arrived_rgb) > 0.0f) (*arrival)(path_index, ray.direction, arrived_rgb);
+  };
   paths_.clear();
   for (uint32_t i = 0; i < starts.size(); ++i) {
     const PathStart& start = starts[i];
@@ -78,20 +82,23 @@ void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& ir
     transmittance_.resize(light_rays_.size());
     tracer.transmittance(light_rays_, transmittance_);
     for (size_t i = 0; i < light_contributions_.size(); ++i)
-      irradiance_rgb[light_contributions_[i].path_index] += light_contributions_[i].irradiance_rgb * transmittance_[i];
+      add(light_contributions_[i].path_index, light_rays_[i], light_contributions_[i].irradiance_rgb * transmittance_[i]);
 
     hits_.resize(emitter_rays_.size());
     tracer.closest(emitter_rays_, hits_);
     for (size_t i = 0; i < emitter_contributions_.size(); ++i)
       if (hits_[i].triangle == emitter_contributions_[i].triangle)
-        irradiance_rgb[emitter_contributions_[i].path_index] += emitter_contributions_[i].irradiance_rgb;
+        add(emitter_contributions_[i].path_index, emitter_rays_[i], emitter_contributions_[i].irradiance_rgb);
 
     hits_.resize(rays_.size());
     tracer.closest(rays_, hits_);
     going_on = 0;
     for (size_t i = 0; i < paths_.size(); ++i) {
-      if (sky && hits_[i].triangle == kNone) irradiance_rgb[paths_[i].index] += escape(paths_[i], rays_[i].direction);
-      if (arrive(paths_[i], starts[paths_[i].index], hits_[i], irradiance_rgb[paths_[i].index])) paths_[going_on++] = paths_[i];
+      const uint32_t index = paths_[i].index;
+      Rgb arrived_rgb = sky && hits_[i].triangle == kNone ? escape(paths_[i], rays_[i].direction) : Rgb(0.0f);
+      const bool goes_on = arrive(paths_[i], starts[index], hits_[i], arrived_rgb);
+      add(index, rays_[i], arrived_rgb);
+      if (goes_on) paths_[going_on++] = paths_[i];
     }
     paths_.resize(going_on);
   }

@@ -1,5 +1,6 @@
 // Many paths advanced together, one vertex at a time, so that their rays reach the tracer in long batches.
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "precompute/atlas/atlas.h"
@@ -44,8 +45,11 @@ class PathBatch {
  public:
   explicit PathBatch(const PathContext& context) : context_(context) {}
 
-  /// Traces all paths to their end. `irradiance_rgb[i]` is an unbiased estimate of the irradiance at the surface of starts[i].
-  void trace(const std::vector<PathStart>& starts, std::vector<Rgb>& irradiance_rgb);
+  /// Told of what arrives at starts[start] straight from a light, and from where (not a unit vector).
+  using Arrival = std::function<void(uint32_t start, const Vec3& direction, const Rgb& irradiance_rgb)>;
+
+  /// Traces all paths to their end. `irradiance_rgb[i]` is an unbiased estimate of the irradiance at the surface of starts[i]. `arrival`: for Component::direct only; may be null.
+  void trace(const std::vector<PathStart>& starts, std::vector<Rgb>& irradiance_rgb, const Arrival* arrival = nullptr);
 
  private:
   struct Path {

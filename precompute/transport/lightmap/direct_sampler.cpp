@@ -1,0 +1,123 @@
+#include "precompute/transport/lightmap/direct_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lightwell::transport {
+namespace {
+
+constexpr uint64_t kDirectStream = 5ull << 40;
+constexpr size_t kBatchRays = 4096;
+constexpr float kSegmentEnd = 1.0f - 0x1p-16f;  // a shadow segment stops short of the lamp itself
+enum Dimension : uint32_t { kPatch = 0, kPlace = 1, kLamp = 2, kEmitter = 3, kOnEmitter = 4 };
+
+/// Channel by channel: emitters of different colours have shadows of different places.
+Vec3d visibleShare(const Vec3d& exact_rgb, const Vec3d& expected_rgb, const Vec3d& arrived_rgb) {
+  Vec3d rgb(0.0);
+  for (int c = 0; c < 3; ++c)
+    if (expected_rgb[c] > 0) rgb[c] = exact_rgb[c] * (arrived_rgb[c] / expected_rgb[c]);
+  return rgb;
+}
+
+}  // namespace
+
+Vec3d DirectSums::mean(uint32_t first, uint32_t end) const {
+  Vec3d lamps_rgb(0.0), exact_rgb(0.0), expected_rgb(0.0), arrived_rgb(0.0);
+  for (uint32_t g = first; g < end; ++g) {
+    lamps_rgb += group[g].lamps_rgb, exact_rgb += group[g].emitters_rgb;
+    expected_rgb += group[g].expected_rgb, arrived_rgb += group[g].arrived_rgb;
+  }
+  return (lamps_rgb + visibleShare(exact_rgb, expected_rgb, arrived_rgb)) / double((end - first) * count);
+}
+
+double DirectSums::standardError() const {
+  const double middle = luminance(Rgb(mean()));
+  double scatter = 0;
+  for (uint32_t g = 0; g < kSampleGroups; ++g) scatter += std::pow(luminance(Rgb(mean(g, g + 1))) - middle, 2.0);
+  return std::sqrt(scatter / (kSampleGroups * (kSampleGroups - 1)));
+}
+
+Vec3 DirectSums::gradient() const {
+  Vec3d lamps(0.0), emitters(0.0), exact_rgb(0.0), expected_rgb(0.0);
+  for (const Group& g : group) lamps += g.lamps_gradient, emitters += g.emitters_gradient, exact_rgb += g.emitters_rgb, expected_rgb += g.expected_rgb;
+  const double expected = luminance(Rgb(expected_rgb));
+  if (expected > 0) lamps += emitters * (luminance(Rgb(exact_rgb)) / expected);
+  return Vec3(lamps / double(kSampleGroups * count));
+}
+
+void DirectSampler::sample(uint32_t count, std::span<DirectSums*> list) {
+  for (DirectSums* sums : list) {
+    for (uint32_t i = sums->count; i < count; ++i)
+      for (uint32_t group = 0; group < kSampleGroups; ++group) add(*sums, group, i);
+    sums->count = std::max(sums->count, count);
+    if (lamp_rays_.size() + emitter_rays_.size() >= kBatchRays) flush();
+  }
+  flush();
+}
+
+void DirectSampler::add(DirectSums& sums, uint32_t group, uint32_t sample) {
+  const uint64_t owner = combineKeys(uint64_t(sums.side) + kDirectStream, group);
+  const Sampler sampler(context_.seed, owner);
+  const auto point = sampleSide(context_.scene.mesh, context_.atlas, context_.sides, sums.side, sampler.get1D(sample, kPatch), sampler.get2D(sample, kPlace));
+  lamp_samples_.clear();
+  context_.lamps.sample(point.position, point.normal, true, sampler.get1D(sample, kLamp), lamp_samples_);
+  for (const PunctualLights::Sample& lamp : lamp_samples_) {
+    if (!(lamp.to_light.dot(point.geometric_normal) > 0.0f)) continue;
+    const Vec3 origin = trace::Tracer::offsetOrigin(point.position, point.geometric_normal, lamp.to_light);
+    if (std::isfinite(lamp.distance))
+      lamp_rays_.push_back({origin, point.position + lamp.to_light * lamp.distance - origin, 0.0f, kSegmentEnd});
+    else
+      lamp_rays_.push_back({origin, lamp.to_light});
+    lamp_arrivals_.push_back({&sums.group[group], lamp.irradiance_rgb, context_.tilt ? context_.tilt->gradient(point.normal, lamp.to_light) : Vec3(0.0f), kNone});
+  }
+  if (!context_.emitters.empty()) aimAtEmitter(sums, group, sampler, sample, point);
+}
+
+/// All emitters' exact light, and a ray to one of them, picked by what it gives.
+void DirectSampler::aimAtEmitter(DirectSums& sums, uint32_t group_index, const Sampler& sampler, uint32_t sample, const atlas::SurfacePoint& point) {
+  const PlainEmitters& emitters = context_.emitters;
+  DirectSums::Group& group = sums.group[group_index];
+  cumulative_.resize(emitters.count());
+  float total = 0;
+  for (uint32_t i = 0; i < emitters.count(); ++i) {
+    const float irradiance = emitters.irradiance(i, point.position, point.normal);
+    const Rgb irradiance_rgb = emitters.radiance(i) * irradiance;
+    group.emitters_rgb += Vec3d(irradiance_rgb);
+    cumulative_[i] = total += luminance(irradiance_rgb);
+  }
+  if (!(total > 0.0f)) return;
+  const float target = sampler.get1D(sample, kEmitter) * total;
+  uint32_t picked = uint32_t(std::upper_bound(cumulative_.begin(), cumulative_.end(), target) - cumulative_.begin());
+  picked = std::min(picked, emitters.count() - 1);
+  const float share = (cumulative_[picked] - (picked ? cumulative_[picked - 1] : 0.0f)) / total;
+  if (!(share > 0.0f)) return;
+  const PlainEmitters::Sample ray = emitters.sample(picked, point.position, point.normal, sampler.get2D(sample, kOnEmitter));
+  if (!(ray.weight > 0.0f)) return;
+  const Rgb irradiance_rgb = emitters.radiance(picked) * (ray.weight / share);
+  group.expected_rgb += Vec3d(irradiance_rgb);
+  if (!(ray.direction.dot(point.geometric_normal) > 0.0f)) return;
+  emitter_rays_.push_back({.origin = trace::Tracer::offsetOrigin(point.position, point.geometric_normal, ray.direction), .direction = ray.direction,
+                           .key = mixBits(combineKeys(combineKeys(uint64_t(sums.side) + kDirectStream, group_index), sample))});
+  emitter_arrivals_.push_back({&group, irradiance_rgb, context_.tilt ? context_.tilt->gradient(point.normal, ray.direction) : Vec3(0.0f), emitters.triangle(picked)});
+}
+
+void DirectSampler::flush() {
+  if (context_.cancel) context_.cancel->check();
+  transmittance_.resize(lamp_rays_.size());
+  context_.tracer.transmittance(lamp_rays_, transmittance_);
+  for (size_t i = 0; i < lamp_arrivals_.size(); ++i) {
+    const Rgb arrived_rgb = lamp_arrivals_[i].irradiance_rgb * transmittance_[i];
+    lamp_arrivals_[i].group->lamps_rgb += Vec3d(arrived_rgb);
+    lamp_arrivals_[i].group->lamps_gradient += Vec3d(lamp_arrivals_[i].gradient) * double(luminance(arrived_rgb));
+  }
+  hits_.resize(emitter_rays_.size());
+  context_.tracer.closest(emitter_rays_, hits_);
+  for (size_t i = 0; i < emitter_arrivals_.size(); ++i) {
+    if (hits_[i].triangle != emitter_arrivals_[i].triangle) continue;
+    emitter_arrivals_[i].group->arrived_rgb += Vec3d(emitter_arrivals_[i].irradiance_rgb);
+    emitter_arrivals_[i].group->emitters_gradient += Vec3d(emitter_arrivals_[i].gradient) * double(luminance(emitter_arrivals_[i].irradiance_rgb));
+  }
+  lamp_rays_.clear(), lamp_arrivals_.clear(), emitter_rays_.clear(), emitter_arrivals_.clear();
+}
+
+}  // namespace lightwell::transport
