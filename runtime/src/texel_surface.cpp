@@ -37,9 +37,9 @@ class Finder {
     if (!result) result = decodeArray(&container_, LW_ARRAY_NORMAL, normal_);
     if (!result) result = decodeArray(&container_, LW_ARRAY_LIGHTMAP_UV, uv_);
     if (!result) result = decodeArray(&container_, LW_ARRAY_INDEX, index_);
-    format::AtlasHeader header;
-    if (!result) result = readAtlasHeader(container_, header);
-    if (!result) result = number(header, fill);
+    lw_atlas_info atlas;
+    if (!result) result = lw_get_atlas_info(&container_, &atlas);
+    if (!result) result = number(atlas, fill);
     if (result) return result;
     if (!sum_.allocate(container_.host, values_)) return container_.host.fail(LW_OUT_OF_MEMORY, "no memory for the surfaces of %u texels", values_);
     std::fill(sum_.begin(), sum_.end(), Sum{});
@@ -49,8 +49,8 @@ class Finder {
 
  private:
   /// Numbers the texels with a value; own_ is the value of a texel's own surface.
-  lw_result number(const format::AtlasHeader& header, bool fill) {
-    out_.width = header.width, out_.height = header.height;
+  lw_result number(const lw_atlas_info& atlas, bool fill) {
+    out_.width = atlas.width, out_.height = atlas.height;
     Array<uint32_t> source;
     Array<uint8_t> coverage;
     lw_result result = decodeArray(&container_, LW_ARRAY_ATLAS_SOURCE, source);

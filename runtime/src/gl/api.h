@@ -110,6 +110,7 @@ inline constexpr uint32_t kInvalidIndex = 0xffffffffu;
   X(int32_t, GetUniformLocation, (Name program, const char* name)) \
   X(uint8_t, IsEnabled, (Enum capability)) \
   X(void, LinkProgram, (Name program)) \
+  X(void*, MapBufferRange, (Enum target, ptrdiff_t offset, ptrdiff_t bytes, uint32_t access)) \
   X(void, PixelStorei, (Enum name, int32_t value)) \
   X(void, ReadBuffer, (Enum buffer)) \
   X(void, ReadPixels, (int32_t x, int32_t y, int32_t width, int32_t height, Enum format, Enum type, void* pixels)) \
@@ -131,6 +132,7 @@ inline constexpr uint32_t kInvalidIndex = 0xffffffffu;
   X(void, Uniform4fv, (int32_t location, int32_t count, const float* values)) \
   X(void, UniformBlockBinding, (Name program, uint32_t block, uint32_t binding)) \
   X(void, UniformMatrix4fv, (int32_t location, int32_t count, uint8_t transpose, const float* values)) \
+  X(uint8_t, UnmapBuffer, (Enum target)) \
   X(void, UseProgram, (Name program)) \
   X(void, Viewport, (int32_t x, int32_t y, int32_t width, int32_t height))
 
