@@ -31,6 +31,9 @@ struct Options {
   std::vector<std::string> portals;
   std::optional<fs::path> probes_out;
   uint32_t samples = 64;
+  double cut_error = 0.1;
+  std::optional<float> clamp;
+  bool no_restore = false;
   render::EnvironmentSettings environment;
   int threads = 0;
 };
@@ -122,9 +125,21 @@ std::vector<Rgb> lightOfLightmap(const Options& options, Component component, co
 /// What the section "vpl" adds, one value per slot.
 std::vector<Rgb> lightOfVirtualLights(Session& session, const Options& options, Component component, const RuntimeContainer& runtime,
                                       const bake::ContainerScene& container, const trace::Tracer& tracer) {
-  ProgressMeter meter(session.console, "virtual lights");
-  return evaluateVplOnCpu({.container = runtime, .scene = container, .tracer = tracer, .component = component, .samples = options.samples,
-                           .threads = options.threads, .cancel = &session.interrupt.flag(), .progress = [&](double fraction) { meter.update(fraction); }});
+  VplEvaluated light;
+  {
+    ProgressMeter meter(session.console, "virtual lights");
+    light = evaluateVplOnCpu({.container = runtime, .scene = container, .tracer = tracer, .component = component, .samples = options.samples,
+                              .cut_error = options.cut_error, .clamp = options.clamp, .restore = !options.no_restore, .threads = options.threads,
+                              .cancel = &session.interrupt.flag(), .progress = [&](double fraction) { meter.update(fraction); }});
+  }
+  char text[200];
+  std::snprintf(text, sizeof text, "%u virtual lights, %.0f of them for each point, %.3g rays", light.lights, light.lights_a_point, double(light.rays));
+  session.console.line(text);
+  if (light.removed > 0) {
+    std::snprintf(text, sizeof text, "clamped away: %.2f %% of the light; restored: %.2f %%", 100 * light.removed, 100 * light.restored);
+    session.console.line(text);
+  }
+  return light.irradiance_rgb;
 }
 
 std::vector<Rgb> lightOfSky(Session& session, const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container,
@@ -223,6 +238,19 @@ void addEvaluate(CLI::App& app, Session& session) {
       ->type_name("N")
       ->check(CLI::Range(1u, 1u << 20))
       ->capture_default_str();
+  command
+      ->add_option("--cut-error", options->cut_error,
+                   "Virtual lights on the CPU only: what a group of them that is looked at through one may be wrong by at most, of a texel's irradiance; 0: each light for itself")
+      ->type_name("E")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--clamp", options->clamp,
+                   "Virtual points on the CPU only: the most irradiance that a lumen gives, 1/m²; 0: no clamp; default: what it gives at most if the point is as large as its share of "
+                   "all surfaces")
+      ->type_name("MOST")
+      ->check(CLI::Range(0.0f, 1e12f));
+  command->add_flag("--no-restore", options->no_restore, "Virtual points on the CPU only: do not restore the light that the clamp takes away");
   addEnvironmentLight(*command, options->environment);
   addThreads(*command, options->threads);
   command->footer(R"(Only the container is needed: shadows are ray-traced in its geometry, also for gl, except those of a sky's cells: these are rays on the CPU
@@ -235,6 +263,9 @@ Examples:
     for (const char* option : {"--environment-technique", "--environment-cells", "--environment-map-size", "--environment-sun-map-size"})
       if (command->count(option) > 0 && (options->technique != "environment" || options->evaluator != "gl"))
         throw UsageError(std::string(option) + ": only --technique environment --evaluator gl draws a sky's shadows in maps");
+    for (const char* option : {"--cut-error", "--clamp", "--no-restore"})
+      if (command->count(option) > 0 && (options->technique != "vpl" || options->evaluator != "cpu"))
+        throw UsageError(std::string(option) + ": only --technique vpl --evaluator cpu picks and clamps virtual lights");
     run(session, *options);
   });
 }

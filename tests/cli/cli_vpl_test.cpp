@@ -44,6 +44,36 @@ TEST_F(CliVplTest, EveryShapeCanBeForcedAndCounted) {
   }
 }
 
+TEST_F(CliVplTest, ACutGivesWhatAllLightsGive) {
+  run(bakeTo("v.lwc", {"--virtual-lights", "600"}));
+  const std::vector<std::string> evaluate{"evaluate", path("v.lwc"), "--technique", "vpl", "--component", "indirect", "-o"};
+  const auto with = [&](const std::string& file, std::vector<std::string> more) {
+    std::vector<std::string> arguments = evaluate;
+    arguments.push_back(path(file));
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments).err;
+  };
+  EXPECT_THAT(with("all.exr", {"--cut-error", "0"}), HasSubstr("600 virtual lights"));
+  with("cut.exr", {});
+  EXPECT_NEAR(meanOf("cut.exr") / meanOf("all.exr"), 1, 2e-3);
+}
+
+TEST_F(CliVplTest, WhatTheClampTakesFromPointsIsRestored) {
+  run(bakeTo("v.lwc", {"--virtual-light", "point", "--virtual-lights", "2000"}));  // so many that none stands for a place of its own
+  const auto mean = [&](std::vector<std::string> more, bool clamped) {
+    std::vector<std::string> arguments{"evaluate", path("v.lwc"), "--technique", "vpl", "--component", "indirect", "-o", path("e.exr")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const std::string said = run(arguments).err;
+    EXPECT_EQ(said.find("clamped away") != std::string::npos, clamped) << said;
+    return meanOf("e.exr");
+  };
+  const double exact = (4 * std::numbers::pi / 24) * 0.7 / 0.3;
+  mean({"--clamp", "0"}, false);
+  const double clamped = mean({"--clamp", "0.5", "--no-restore"}, true), restored = mean({"--clamp", "0.5"}, true);
+  EXPECT_LT(clamped / exact, 0.95);
+  EXPECT_NEAR(restored / exact, 1, 0.02);
+}
+
 TEST_F(CliVplTest, SaysWhatItCannotDo) {
   run(bakeTo("v.lwc"));
   const Finished gl = lightwell({"evaluate", path("v.lwc"), "--technique", "vpl", "--evaluator", "gl", "-o", path("e.exr")});

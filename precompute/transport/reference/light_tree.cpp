@@ -139,6 +139,24 @@ float LightTree::Reach::importance(const Vec3& position, const Vec3& normal) con
   return power * std::max(emission.cosine, kCosineSlack) * std::max(incidence.cosine, kCosineSlack) / center_distance2;
 }
 
+float LightTree::Reach::bound(const Receivers& receivers) const {
+  const Vec3 to_light = center - receivers.center;
+  const float distance = to_light.length(), reach = std::sqrt(radius2) + receivers.radius, nearest = distance - reach;
+  if (!(nearest > 0.0f)) return std::numeric_limits<float>::infinity();
+  const Vec3 direction = to_light / distance;
+  const float sin_around = reach / distance;
+  const Angle around{sineOf(sin_around), sin_around};
+  float cos_axis = -direction.dot(axis);
+  if (two_sided) cos_axis = std::abs(cos_axis);
+  const Angle emission = difference(difference({cos_axis, sineOf(cos_axis)}, {cos_normal_spread, sin_normal_spread}), around);
+  if (emission.cosine < cos_emission_spread) return 0.0f;
+  const float cos_normal = direction.dot(receivers.normal);
+  const Angle incidence =
+      difference(difference({cos_normal, sineOf(cos_normal)}, {receivers.cos_spread, sineOf(receivers.cos_spread)}), around);
+  if (incidence.cosine < -kCosineSlack) return 0.0f;
+  return power * std::max(emission.cosine, kCosineSlack) * std::max(incidence.cosine, kCosineSlack) / (nearest * nearest);
+}
+
 LightTree::LightTree(std::span<const LightBounds> items) : leaf_(items.size(), kNone) {
   std::vector<uint32_t> order;
   for (uint32_t i = 0; i < items.size(); ++i)
@@ -184,9 +202,13 @@ float LightTree::firstChildProbability(uint32_t first_child, const Vec3& positio
 }
 
 LightTree::Pick LightTree::pick(const Vec3& position, const Vec3& normal, float u) const {
-  if (nodes_.empty()) return {};
+  return nodes_.empty() ? Pick{} : pickIn(0, position, normal, u);
+}
+
+float LightTree::bound(uint32_t node, const Receivers& receivers) const { return nodes_[node].reach.bound(receivers); }
+
+LightTree::Pick LightTree::pickIn(uint32_t node, const Vec3& position, const Vec3& normal, float u) const {
   Pick pick{kNone, 1.0f};
-  uint32_t node = 0;
   while (nodes_[node].first_child != kNone) {
     const uint32_t child = nodes_[node].first_child;
     const float first = firstChildProbability(child, position, normal);

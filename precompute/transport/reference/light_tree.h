@@ -19,6 +19,14 @@ struct LightBounds {
   float power = 0;          // any measure that is proportional to what is given, ≥ 0
 };
 
+/// Points on a surface: a sphere around them and a cone around their normals.
+struct Receivers {
+  Vec3 center{0, 0, 0};
+  float radius = 0;
+  Vec3 normal{0, 0, 1};
+  float cos_spread = 1;
+};
+
 class LightTree {
  public:
   LightTree() = default;
@@ -36,6 +44,16 @@ class LightTree {
   /// The probability with which `pick` returns `item`.
   float probability(uint32_t item, const Vec3& position, const Vec3& normal) const;
 
+  // For cuts (light_cut.h). Nodes are numbered, the root is 0.
+  uint32_t nodeCount() const { return uint32_t(nodes_.size()); }
+  /// Of its two children, which follow each other; kNone: the node is one item.
+  uint32_t firstChild(uint32_t node) const { return nodes_[node].first_child; }
+  /// `pick` among the items of a node.
+  Pick pickIn(uint32_t node, const Vec3& position, const Vec3& normal, float u) const;
+  /// Upper bound of what a node's items give to any of these points, in units of power ÷ length², for items that shine with the cosine
+  /// of the angle to their axis: irradiance times pi for a power in lumen. Infinite when they may be in the same place.
+  float bound(uint32_t node, const Receivers& receivers) const;
+
  private:
   /// LightBounds as `importance` wants them: sphere and cosines instead of box and angles.
   struct Reach {
@@ -49,6 +67,7 @@ class LightTree {
     explicit Reach(const LightBounds& bounds);
     /// Upper estimate, up to a common factor, of the irradiance given to a point. Zero only when nothing is given.
     float importance(const Vec3& position, const Vec3& normal) const;
+    float bound(const Receivers& receivers) const;
   };
   struct Node {
     Reach reach{LightBounds{}};
