@@ -1,8 +1,10 @@
 // lightwell evaluate: what the runtime makes of a container, as an atlas of irradiance.
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "cli/command.h"
+#include "cli/dynamic_evaluator.h"
 #include "cli/environment_evaluator.h"
 #include "cli/irradiance_image.h"
 #include "cli/lightmap_evaluator.h"
@@ -30,6 +32,8 @@ struct Options {
   std::optional<uint32_t> injection;
   std::vector<std::string> portals;
   std::optional<fs::path> probes_out;
+  std::optional<std::string> dynamic;
+  uint32_t dynamic_lights = 256, dynamic_shadows = 32;
   uint32_t samples = 64;
   double cut_error = 0.1;
   std::optional<float> clamp;
@@ -142,6 +146,12 @@ std::vector<Rgb> lightOfVirtualLights(Session& session, const Options& options, 
   return light.irradiance_rgb;
 }
 
+/// What lightwell_dynamic adds: one reflection of lamps that nothing was baked for.
+std::vector<Rgb> lightOfDynamicLamps(const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container) {
+  return valuesOfSlots(container.atlas, evaluateDynamicOnGl({.container = runtime, .scene = container.scene, .incremental = options.dynamic == "iir",
+                                                             .lights = options.dynamic_lights, .shadow_side = options.dynamic_shadows}));
+}
+
 std::vector<Rgb> lightOfSky(Session& session, const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container,
                             const trace::Tracer& tracer) {
   ProgressMeter meter(session.console, "sky");
@@ -156,14 +166,16 @@ void run(Session& session, const Options& options) {
   if (options.probes_out) checkWritable(*options.probes_out);
   const bool by_cells = options.technique == "environment", by_patches = options.technique == "radiosity", baked = options.technique == "lightmap";
   const bool by_virtual_lights = options.technique == "vpl";
-  if (by_virtual_lights && options.evaluator == "gl") throw UsageError("--evaluator gl: this version evaluates virtual lights on the CPU only, not on OpenGL yet");
-  if (by_virtual_lights && options.lights) throw UsageError("--lights: virtual lights come from the lights that they were baked with; bake --lights bakes others");
+  if (by_virtual_lights && options.evaluator == "gl" && !options.dynamic) throw UsageError("--evaluator gl: this version evaluates virtual lights on the CPU only, not on OpenGL yet");
+  if (options.dynamic && (!by_virtual_lights || options.evaluator != "gl")) throw UsageError("--dynamic: only --technique vpl --evaluator gl finds virtual lights of lamps that move");
+  if (by_virtual_lights && options.lights && !options.dynamic) throw UsageError("--lights: virtual lights come from the lights that they were baked with; bake --lights bakes others");
   if (baked && options.lights) throw UsageError("--lights: a light map holds the lights that it was baked with; bake --lights bakes others");
   checkReadable(options.container);
   if (options.lights) checkReadable(*options.lights);
   const Component component = componentNamed(options.component);
   const format::Reader reader(options.container);
-  checkHas(options.technique, options, reader);
+  if (!options.dynamic) checkHas(options.technique, options, reader);
+  else if (options.dynamic_shadows) checkHas("points", options, reader);
   checkHas("geometry", options, reader);
   if (options.probes_out && !by_patches) throw UsageError("--probes-out: only --technique radiosity lights probes");
   if (options.probes_out) checkHas("probes", options, reader);
@@ -193,6 +205,8 @@ void run(Session& session, const Options& options) {
   if (by_cells && component != Component::indirect) add(lightOfSky(session, options, runtime, container, tracer));
   const uint32_t sky = by_cells ? LW_SKY_INDIRECT : LW_SKY_INDIRECT | LW_SKY_DIRECT;
   if (baked) add(lightOfLightmap(options, component, runtime, container));
+  else if (options.dynamic && component != Component::direct) add(lightOfDynamicLamps(options, runtime, container));
+  else if (options.dynamic) {}
   else if (by_virtual_lights) add(lightOfVirtualLights(session, options, component, runtime, container, tracer));
   else if (by_patches) add(lightOfRadiosity(session, options, component, runtime, container, portal_open, tracer));
   else if (reader.has("prm")) add(lightOfTransport(session, options, component, sky, runtime, container, tracer));
@@ -251,6 +265,28 @@ void addEvaluate(CLI::App& app, Session& session) {
       ->type_name("MOST")
       ->check(CLI::Range(0.0f, 1e12f));
   command->add_flag("--no-restore", options->no_restore, "Virtual points on the CPU only: do not restore the light that the clamp takes away");
+  command->add_option("--dynamic", options->dynamic, "With vpl on OpenGL: one reflection of lamps that nothing was baked for (--lights), by virtual lights drawn by flux from reflective shadow maps (rsm), or "
+                      "kept from frame to frame (iir)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"rsm", "iir"}));
+  command->add_option("--dynamic-lights", options->dynamic_lights, "With --dynamic: virtual lights of each lamp")->type_name("N")->check(CLI::Range(16u, 1024u))->capture_default_str();
+  command->add_option("--dynamic-shadows", options->dynamic_shadows, "With --dynamic: texels along a virtual light's shadow map, a power of two; 0: no shadows (bake --points is not needed then)")
+      ->type_name("N")
+      ->check(CLI::IsMember(std::set<uint32_t>{0, 8, 16, 32, 64, 128}))
+      ->capture_default_str();
+  command
+      ->add_option("--cut-error", options->cut_error,
+                   "Virtual lights on the CPU only: what a group of them that is looked at through one may be wrong by at most, of a texel's irradiance; 0: each light for itself")
+      ->type_name("E")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--clamp", options->clamp,
+                   "Virtual points on the CPU only: the most irradiance that a lumen gives, 1/m²; 0: no clamp; default: what it gives at most if the point is as large as its share of "
+                   "all surfaces")
+      ->type_name("MOST")
+      ->check(CLI::Range(0.0f, 1e12f));
+  command->add_flag("--no-restore", options->no_restore, "Virtual points on the CPU only: do not restore the light that the clamp takes away");
   addEnvironmentLight(*command, options->environment);
   addThreads(*command, options->threads);
   command->footer(R"(Only the container is needed: shadows are ray-traced in its geometry, also for gl, except those of a sky's cells: these are rays on the CPU
@@ -258,7 +294,8 @@ and depth maps on OpenGL, where --environment-technique and the rest apply.
 
 Examples:
   lightwell evaluate room.lwc --technique prm --evaluator cpu --component indirect -o indirect.exr
-  lightwell evaluate room.lwc --technique prm --evaluator gl --component total --lights lamps.json -o total.exr)");
+  lightwell evaluate room.lwc --technique prm --evaluator gl --component total --lights lamps.json -o total.exr
+  lightwell evaluate room.lwc --technique vpl --evaluator gl --dynamic iir --component indirect --lights lamps.json -o first_bounce.exr)");
   command->callback([&session, options, command] {
     for (const char* option : {"--environment-technique", "--environment-cells", "--environment-map-size", "--environment-sun-map-size"})
       if (command->count(option) > 0 && (options->technique != "environment" || options->evaluator != "gl"))

@@ -1,6 +1,6 @@
 // How virtual lights of a lamp that moves slowly flicker, how far they are from the truth, and what a frame of them costs.
-//   flicker ROOM.lwc --move DX DY DZ [--frames 64] [--samples 1024] [--lights N …] [--sides N …] [--json]
-// The first lamp of the container moves by DX DY DZ metres over all frames while texels stand still. Flicker: mean absolute change of a texel's irradiance from frame to frame over the
+//   flicker ROOM.lwc --move DX DY DZ [--frames 64] [--samples 1024] [--lights N …] [--sides N …] [--pictures DIR] [--json]
+// The first lamp of the container moves by DX DY DZ metres over all frames while texels stand still; texels that show another's value do not count. Flicker: mean absolute change of a texel's irradiance from frame to frame over the
 // mean irradiance; excess: the same of the difference to the truth's own change. The truth is path-traced, one reflection, with the same paths in each frame; its noise is taken out
 // of errors by a second set of paths. Times are wall clock until glFinish returns, medians, without the first frame.
 #include <CLI/CLI.hpp>
@@ -12,9 +12,11 @@
 
 #include "bench/runtime/one_bounce.h"
 #include "cli/runtime_handles.h"
+#include "format/decode/pixel.h"
 #include "lightwell/lightwell_gl_dynamic.h"
 #include "precompute/core/error.h"
 #include "render/egl_context.h"
+#include "render/png.h"
 #include "render/gl_objects.h"
 
 using namespace lightwell;
@@ -28,12 +30,13 @@ struct Options {
   int frames = 64;
   uint32_t samples = 1024;
   std::vector<uint32_t> lights{256}, sides{0, 32}, updates{16};
-  float softness = 1;
+  float softness = 0.25f;
   int threads = 2;
+  std::optional<std::filesystem::path> pictures;
   bool json = false;
 };
 
-using Frames = std::vector<std::vector<Rgb>>;  // of slots
+using Frames = std::vector<std::vector<Rgb>>;  // of shown slots
 
 double lum(const Rgb& rgb) { return double(luminance(rgb)); }
 
@@ -60,6 +63,14 @@ double flickerOf(const Frames& frames, const Frames* of, double mean) {
 struct Error {
   double relrmse, texrel, bias;
 };
+/// Slots that show their own value: buried ones, under things that stand on the floor, show another's.
+std::vector<uint32_t> shownSlots(const atlas::Atlas& atlas) {
+  std::vector<uint32_t> shown;
+  for (uint32_t i = 0; i < atlas.slots.size(); ++i)
+    if (atlas.source[atlas.slots[i].texel] == atlas.slots[i].texel) shown.push_back(i);
+  return shown;
+}
+
 Error errorOf(const Frames& frames, const Frames& a, const Frames& b) {
   double square = 0, reference = 0, relative = 0, sum = 0, truth = 0;
   const double mean = 0.5 * (meanOf(a) + meanOf(b));
@@ -72,6 +83,14 @@ Error errorOf(const Frames& frames, const Frames& a, const Frames& b) {
       sum += c, truth += r;
     }
   return {std::sqrt(std::max(square, 0.0) / reference), std::sqrt(std::max(relative, 0.0) / double(count)), sum / truth - 1};
+}
+
+/// The atlas in sRGB, so that twice the mean is white.
+void writePicture(const std::filesystem::path& file, const atlas::Atlas& atlas, const std::vector<uint32_t>& shown, const std::vector<Rgb>& frame, double mean) {
+  render::Image8 image{atlas.width, atlas.height, std::vector<uint8_t>(size_t(atlas.width) * size_t(atlas.height) * 4, 0)};
+  for (size_t i = 0; i < frame.size(); ++i)
+    for (int k = 0; k < 3; ++k) image.rgba[size_t(atlas.slots[shown[i]].texel) * 4 + size_t(k)] = format::encodeSrgb(float(double(frame[i][k]) / (2 * mean)));
+  render::writePng(file, image);
 }
 
 struct Way {
@@ -95,7 +114,8 @@ double median(std::vector<double> values) {
 
 class Player {
  public:
-  Player(const Options& options, const cli::RuntimeContainer& runtime, const bake::ContainerScene& container) : options_(options), container_(container) {
+  Player(const Options& options, const cli::RuntimeContainer& runtime, const bake::ContainerScene& container, const std::vector<uint32_t>& shown)
+      : options_(options), container_(container), shown_(shown) {
     lw_gl_config config = LW_GL_CONFIG_INIT;
     config.loader = render::EglContext::load;
     config.message = [](void* user, lw_result, const char* text) { *static_cast<std::string*>(user) = text; };
@@ -137,7 +157,10 @@ class Player {
       run.most_updated = std::max(run.most_updated, run.work.updated);
       check(lw_gl_dynamic_read_atlas(scene_, rgba_.data()));
       std::vector<Rgb>& frame = run.frames.emplace_back();
-      for (const atlas::Slot& slot : container_.atlas.slots) frame.push_back({rgba_[slot.texel * 4], rgba_[slot.texel * 4 + 1], rgba_[slot.texel * 4 + 2]});
+      for (const uint32_t slot : shown_) {
+        const float* texel = &rgba_[size_t(container_.atlas.slots[slot].texel) * 4];
+        frame.push_back({texel[0], texel[1], texel[2]});
+      }
     }
     lw_gl_lamp_destroy(lamp);
     run.update_ms = median({update_ms.begin() + 1, update_ms.end()});
@@ -151,6 +174,7 @@ class Player {
   }
   const Options& options_;
   const bake::ContainerScene& container_;
+  const std::vector<uint32_t>& shown_;
   std::string message_;
   lw_gl_dynamic* scene_ = nullptr;
   std::vector<float> rgba_;
@@ -169,22 +193,24 @@ void run(const Options& options) {
     for (int k = 0; k < 3; ++k) light.position[k] += float(double(options.move_m[size_t(k)]) * f / std::max(options.frames - 1, 1) / container.scene.metres_per_unit);
     lights.push_back(light);
   }
+  const std::vector<uint32_t> shown = shownSlots(container.atlas);
   Frames a, b;
   for (const scene::Light& light : lights) {
-    a.push_back(truth.irradiance(light, options.samples, 1, options.threads));
-    b.push_back(truth.irradiance(light, options.samples, 2, options.threads));
+    a.push_back(truth.irradiance(shown, light, options.samples, 1, options.threads));
+    b.push_back(truth.irradiance(shown, light, options.samples, 2, options.threads));
   }
   const double mean = 0.5 * (meanOf(a) + meanOf(b));
   const render::EglContext context;
   const cli::RuntimeContainer runtime(options.container);
-  Player player(options, runtime, container);
-  json document{{"renderer", context.description()}, {"texels", container.atlas.slots.size()}, {"frames", options.frames}, {"truth_change", flickerOf(a, nullptr, mean)},
+  Player player(options, runtime, container, shown);
+  json document{{"renderer", context.description()}, {"texels", shown.size()}, {"frames", options.frames}, {"truth_change", flickerOf(a, nullptr, mean)},
                 {"truth_change_second", flickerOf(b, nullptr, mean)}, {"truth_noise", flickerOf(a, &b, mean)}, {"ways", json::array()}};
   if (!options.json) {
-    std::printf("%s, %zu texels, %d frames\ntruth: change %.3f %% a frame (second set of paths %.3f %%, difference of the two %.3f %%)\n", context.description().c_str(), container.atlas.slots.size(),
+    std::printf("%s, %zu texels, %d frames\ntruth: change %.3f %% a frame (second set of paths %.3f %%, difference of the two %.3f %%)\n", context.description().c_str(), shown.size(),
                 options.frames, 100 * flickerOf(a, nullptr, mean), 100 * flickerOf(b, nullptr, mean), 100 * flickerOf(a, &b, mean));
     std::printf("| lights | | map | change | excess | relrmse | texrel | bias | moved a frame | update ms | gather ms | draws | points |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   }
+  if (options.pictures) writePicture(*options.pictures / "truth.png", container.atlas, shown, a.back(), mean);
   std::vector<Way> ways;
   for (const uint32_t n : options.lights)
     for (const uint32_t side : options.sides) {
@@ -194,6 +220,8 @@ void run(const Options& options) {
   for (const Way& way : ways) {
     const Run run = player.play(way, lights);
     const Error error = errorOf(run.frames, a, b);
+    if (options.pictures)
+      writePicture(*options.pictures / (std::string(way.name) + "_" + std::to_string(way.lights) + "_" + std::to_string(way.side) + ".png"), container.atlas, shown, run.frames.back(), mean);
     const double change = flickerOf(run.frames, nullptr, mean), excess = flickerOf(run.frames, &a, mean);
     document["ways"].push_back({{"way", way.name}, {"lights", way.lights}, {"shadow_side", way.side}, {"most_updates", way.updates}, {"change", change}, {"excess", excess}, {"relrmse", error.relrmse},
                                 {"texrel", error.texrel}, {"bias", error.bias}, {"most_updated", run.most_updated}, {"update_ms", run.update_ms}, {"gather_ms", run.gather_ms},
@@ -220,6 +248,7 @@ int main(int argc, char** argv) {
   app.add_option("--updates", options.updates, "Incremental: lights that may move in a frame");
   app.add_option("--softness", options.softness, "lw_gl_gathering.softness");
   app.add_option("--threads", options.threads, "For the truth");
+  app.add_option("--pictures", options.pictures, "Folder for the atlas in the last frame, as PNG: twice the mean is white");
   app.add_flag("--json", options.json, "JSON on stdout");
   CLI11_PARSE(app, argc, argv);
   try {

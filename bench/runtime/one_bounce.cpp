@@ -12,16 +12,17 @@ OneBounce::OneBounce(const format::Reader& reader, const bake::ContainerScene& c
   for (size_t i = 0; i < srgb.size(); ++i) albedo_[i / 3][int(i % 3)] = format::decodeSrgb(srgb[i]);
 }
 
-std::vector<Rgb> OneBounce::irradiance(const scene::Light& light, uint32_t samples, uint64_t seed, int threads) const {
+std::vector<Rgb> OneBounce::irradiance(std::span<const uint32_t> slots, const scene::Light& light, uint32_t samples, uint64_t seed, int threads) const {
   const scene::Scene& scene = container_.scene;
   const atlas::Atlas& atlas = container_.atlas;
-  std::vector<Rgb> result(atlas.slots.size());
-  parallelFor(atlas.slots.size(), 16, threads, nullptr, [&](size_t begin, size_t end) {
+  std::vector<Rgb> result(slots.size());
+  parallelFor(slots.size(), 16, threads, nullptr, [&](size_t begin, size_t end) {
     std::vector<trace::Ray> rays(samples), shadows;
     std::vector<trace::Hit> hits(samples);
     std::vector<Rgb> carried;
     std::vector<float> passed;
-    for (size_t slot = begin; slot < end; ++slot) {
+    for (size_t i = begin; i < end; ++i) {
+      const uint32_t slot = slots[i];
       const Sampler sampler(seed, slot);
       for (uint32_t s = 0; s < samples; ++s) {
         const atlas::SurfacePoint at = atlas::sampleSlot(scene.mesh, atlas, atlas.slots[slot], sampler.get1D(s, 0), sampler.get2D(s, 1));
@@ -31,7 +32,7 @@ std::vector<Rgb> OneBounce::irradiance(const scene::Light& light, uint32_t sampl
         rays[s] = {};
         rays[s].direction = (tangent * local.x + bitangent * local.y + at.normal * local.z).normalized();
         rays[s].origin = trace::Tracer::offsetOrigin(at.position, at.geometric_normal, rays[s].direction);
-        rays[s].key = mixBits(combineKeys(seed, slot * samples + s));
+        rays[s].key = mixBits(combineKeys(seed, uint64_t(slot) * samples + s));
         if (rays[s].direction.dot(at.geometric_normal) <= 0) rays[s].t_max = 0;  // from below the surface
       }
       tracer_.closest(rays, hits);
@@ -55,8 +56,8 @@ std::vector<Rgb> OneBounce::irradiance(const scene::Light& light, uint32_t sampl
       passed.resize(shadows.size());
       tracer_.transmittance(shadows, passed);
       Vec3d sum(0.0);
-      for (size_t i = 0; i < passed.size(); ++i) sum += Vec3d(carried[i]) * double(passed[i]);
-      result[slot] = Rgb(sum / double(samples));
+      for (size_t k = 0; k < passed.size(); ++k) sum += Vec3d(carried[k]) * double(passed[k]);
+      result[i] = Rgb(sum / double(samples));
     }
   });
   return result;

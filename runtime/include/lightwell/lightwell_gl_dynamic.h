@@ -114,7 +114,7 @@ typedef struct lw_gl_gathering {
   float softness;           /* 0 to 4: virtual lights are disks of their area times this, against bright spots near them; 0: points */
   float most_form;          /* the greatest cos cos / distance² that is taken, in 1/m²; 0: no bound. Lost light is not given back */
 } lw_gl_gathering;
-#define LW_GL_GATHERING_INIT {sizeof(lw_gl_gathering), 1.0f, 0.0f}
+#define LW_GL_GATHERING_INIT {sizeof(lw_gl_gathering), 0.25f, 0.0f}
 
 /* Irradiance at the texels of the atlas after one reflection of the lamps' light, the sum of all `count` lamps (of this scene), into the atlas texture. One draw a lamp and two more.
  *
