@@ -28,11 +28,11 @@ transport::LightmapSettings lightmapSettings(const plan::Settings& settings) {
   switch (settings.quality) {
     case plan::Quality::draft:
       direct.most_samples = 64, direct.error = 0.06f, direct.soft_samples = 16;
-      lightmap.patches.most = 2000, lightmap.cache_rays = 64, lightmap.gather_rays = 16;
+      lightmap.patches.most = 2000, lightmap.cache_rays = 64, lightmap.first_gather_rays = 8, lightmap.gather_rays = 16;
       break;
     case plan::Quality::preview:
       direct.most_samples = 256, direct.error = 0.03f, direct.soft_samples = 48;
-      lightmap.patches.most = 4000, lightmap.cache_rays = 128, lightmap.gather_rays = 48;
+      lightmap.patches.most = 4000, lightmap.cache_rays = 128, lightmap.first_gather_rays = 16, lightmap.gather_rays = 48;
       break;
     case plan::Quality::production: break;  // the estimator's defaults
   }
@@ -43,6 +43,7 @@ transport::LightmapSettings lightmapSettings(const plan::Settings& settings) {
   direct.error = float(direct.error / std::sqrt(factor));
   direct.soft_samples = scaled(direct.soft_samples, 4, 1u << 16);
   lightmap.gather_rays = scaled(lightmap.gather_rays, 4, 1u << 16) & ~1u;
+  lightmap.first_gather_rays = scaled(lightmap.first_gather_rays, 4, 1u << 16) & ~1u;
   lightmap.cache_rays = scaled(lightmap.cache_rays, 16, 4096);
   lightmap.patches.most = scaled(lightmap.patches.most, 64, 64000);
   return lightmap;
@@ -80,8 +81,20 @@ LightmapTasks addLightmapTasks(TaskGraph& graph, const BakeContext& context, con
                                            const auto views = viewsOf(in.inputs);
                                            return baker->radiosity(std::span(views).first(count), std::span(views).subspan(count), in.cancel);
                                          }});
-  tasks.gathered = addRange(graph, "lightmap", "gather", Parameters(reflection).add(settings.gather_rays, settings.directional), baker->slotCount(), kSlotsPerTask, settings.gather_rays,
-                            {radiosity}, [baker](uint32_t begin, uint32_t end, const TaskInputs& in) { return baker->gather(begin, end, *in.inputs[0], in.cancel); });
+  const auto first_gathered = addRange(graph, "lightmap", "first gather", Parameters(reflection).add(settings.first_gather_rays), baker->slotCount(), kSlotsPerTask,
+                                       settings.first_gather_rays, {radiosity},
+                                       [baker](uint32_t begin, uint32_t end, const TaskInputs& in) { return baker->firstGather(begin, end, *in.inputs[0], in.cancel); });
+  inputs = tasks.direct;
+  inputs.push_back(radiosity);
+  inputs.insert(inputs.end(), first_gathered.begin(), first_gathered.end());
+  const TaskIndex refined = graph.add({"lightmap/refine", "refine", "lightmap/refine", Parameters(reflection).add(settings.first_gather_rays).text(), inputs,
+                                       16.0 * baker->slotCount(), [baker, count = tasks.direct.size(), threads = context.threads()](const TaskInputs& in) {
+                                         const auto views = viewsOf(in.inputs);
+                                         return baker->refine(std::span(views).first(count), views[count], std::span(views).subspan(count + 1), threads, in.cancel);
+                                       }});
+  tasks.gathered = addRange(graph, "lightmap", "gather", Parameters(reflection).add(settings.gather_rays, settings.directional), baker->slotCount(), kSlotsPerTask,
+                            settings.gather_rays, {refined},
+                            [baker](uint32_t begin, uint32_t end, const TaskInputs& in) { return baker->gather(begin, end, *in.inputs[0], in.cancel); });
   return tasks;
 }
 

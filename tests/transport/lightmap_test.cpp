@@ -31,7 +31,9 @@ Lightmap bake(const Prepared& p, const LightmapSettings& settings, uint32_t grai
   const auto direct = stage(baker.sideCount(), [&](uint32_t a, uint32_t b) { return baker.directLight(a, b, views(first), cancel); });
   const auto rows = stage(baker.patchCount(), [&](uint32_t a, uint32_t b) { return baker.rows(a, b); });
   const Bytes radiosity = baker.radiosity(views(direct), views(rows), cancel);
-  const auto gathered = stage(baker.slotCount(), [&](uint32_t a, uint32_t b) { return baker.gather(a, b, radiosity, cancel); });
+  const auto first_gathered = stage(baker.slotCount(), [&](uint32_t a, uint32_t b) { return baker.firstGather(a, b, radiosity, cancel); });
+  const Bytes refined = baker.refine(views(direct), radiosity, views(first_gathered), threads, cancel);
+  const auto gathered = stage(baker.slotCount(), [&](uint32_t a, uint32_t b) { return baker.gather(a, b, refined, cancel); });
   return baker.assemble(views(direct), views(gathered), threads, cancel);
 }
 

@@ -1,5 +1,7 @@
 #include "precompute/transport/lightmap/bake_lightmap.h"
 
+#include <algorithm>
+
 #include "precompute/transport/exposure.h"
 #include "precompute/transport/lightmap/irradiance_cache.h"
 #include "precompute/transport/lightmap/share.h"
@@ -8,6 +10,8 @@
 
 namespace lightwell::transport {
 namespace {
+
+constexpr double kMostRaysForBrightness = 16;
 
 void append(std::vector<Rgb>& to, const std::vector<Rgb>& values) { to.insert(to.end(), values.begin(), values.end()); }
 
@@ -31,6 +35,12 @@ void write(ByteWriter& writer, const GatheredPair& pair) {
   writer.array(pair.gradient);
 }
 
+Bytes bytesOf(const GatheredPair& pair) {
+  ByteWriter writer;
+  write(writer, pair);
+  return writer.take();
+}
+
 void appendPair(ByteReader& reader, GatheredPair& pair) {
   append(pair.a_rgb, reader.array<Rgb>());
   append(pair.b_rgb, reader.array<Rgb>());
@@ -47,6 +57,7 @@ Rgb meanOf(const GatheredPair& pair, size_t i) { return (pair.a_rgb[i] + pair.b_
 /// Per side. Without light that is soft, `soft` is empty.
 struct DirectLight {
   GatheredPair hard, soft;
+  Rgb mean(size_t side) const { return meanOf(hard, side) + (soft.a_rgb.empty() ? Rgb(0.0f) : meanOf(soft, side)); }
 };
 
 DirectLight readDirect(std::span<const ByteView> parts, size_t count, bool has_soft, bool directional) {
@@ -59,6 +70,16 @@ DirectLight readDirect(std::span<const ByteView> parts, size_t count, bool has_s
   requirePair(light.hard, count, directional);
   requirePair(light.soft, has_soft ? count : 0, directional);
   return light;
+}
+
+GatheredPair readGathered(std::span<const ByteView> parts, size_t count, bool directional) {
+  GatheredPair pair;
+  for (const ByteView bytes : parts) {
+    ByteReader reader(bytes);
+    appendPair(reader, pair);
+  }
+  requirePair(pair, count, directional);
+  return pair;
 }
 
 void resize(GatheredPair& pair, size_t count) {
@@ -111,6 +132,11 @@ struct LightmapBaker::Impl {
   const Emitters& softEmitters() const { return plain_emitters.empty() ? emitters : no_emitters; }
   PathContext softLights(const CancelFlag& cancel) const { return {scene, atlas, tracer, softEmitters(), no_lamps, sky, Component::direct, &cancel}; }
   bool hasSoftLights() const { return sky || !softEmitters().empty(); }
+  /// Of all sides or of the fronts; shared on the fronts.
+  SharedLight share(GatheredPair pair, int threads, const CancelFlag& cancel) const {
+    resize(pair, sides.front_count);
+    return shareIrradiance(atlas, std::span(exposed()).first(sides.front_count), pair, threads, &cancel);
+  }
   DirectOptions direct() const {
     DirectOptions options = settings.direct;
     options.seed = settings.seed;
@@ -180,35 +206,73 @@ Bytes LightmapBaker::radiosity(std::span<const ByteView> direct, std::span<const
   require(count == patchCount());
   const DirectLight light = readDirect(direct, sideCount(), impl_->hasSoftLights(), impl_->settings.directional);
   std::vector<Rgb> direct_rgb(sideCount());
-  for (size_t side = 0; side < direct_rgb.size(); ++side) direct_rgb[side] = meanOf(light.hard, side) + (light.soft.a_rgb.empty() ? Rgb(0.0f) : meanOf(light.soft, side));
+  for (size_t side = 0; side < direct_rgb.size(); ++side) direct_rgb[side] = light.mean(side);
   return bytesOf(sideRadiosity(impl_->atlas, impl_->tracer, impl_->sides, impl_->patches(), parts, impl_->settings.cache_rays, impl_->exposed(), direct_rgb, &cancel));
 }
 
-Bytes LightmapBaker::gather(uint32_t first, uint32_t end, ByteView radiosity, const CancelFlag& cancel) const {
+Bytes LightmapBaker::firstGather(uint32_t first, uint32_t end, ByteView radiosity, const CancelFlag& cancel) const {
   const auto radiosity_rgb = joined(std::span(&radiosity, 1), sideCount());
+  const std::vector<uint32_t> rays(end - first, impl_->settings.first_gather_rays);
+  return bytesOf(gatherSlots(impl_->scene, impl_->atlas, impl_->tracer, impl_->sides, {.radiosity_rgb = radiosity_rgb}, {.rays = rays, .seed = impl_->settings.seed}, first,
+                             end, &cancel));
+}
+
+Bytes LightmapBaker::refine(std::span<const ByteView> direct, ByteView radiosity, std::span<const ByteView> first_gathered, int threads, const CancelFlag& cancel) const {
+  const atlas::Atlas& atlas = impl_->atlas;
+  auto radiosity_rgb = joined(std::span(&radiosity, 1), sideCount());
+  const DirectLight light = readDirect(direct, sideCount(), impl_->hasSoftLights(), impl_->settings.directional);
+  const auto indirect_rgb = impl_->share(readGathered(first_gathered, slotCount(), false), threads, cancel).irradiance_rgb;
+  std::vector<Rgb> direct_radiosity_rgb(sideCount(), Rgb(0.0f));
+  for (uint32_t side = 0; side < sideCount(); ++side) {
+    const float exposed = impl_->exposed()[side];
+    if (!(exposed > 0.0f)) continue;
+    // Rays end on what is in the open.
+    const Rgb albedo_rgb = atlas.slots[impl_->sides.slot[side]].albedo_rgb / exposed;
+    direct_radiosity_rgb[side] = albedo_rgb * meanOf(light.hard, side);
+    if (side < slotCount()) radiosity_rgb[side] = albedo_rgb * (light.mean(side) + indirect_rgb[side]);
+  }
+  std::vector<Rgb> hard_rgb(slotCount());
+  for (uint32_t slot = 0; slot < slotCount(); ++slot) hard_rgb[slot] = meanOf(light.hard, slot);
+  // Where it is brighter than on the mean, an error counts for more.
+  double sum = 0, area = 0;
+  for (uint32_t slot = 0; slot < slotCount(); ++slot) sum += luminance(indirect_rgb[slot]) * double(atlas.slots[slot].area), area += atlas.slots[slot].area;
+  const double mean = sum / std::max(area, 1e-30);
+  std::vector<uint32_t> rays;
+  for (uint32_t slot = 0; slot < slotCount(); ++slot) {
+    const double brightness = mean > 0 ? std::clamp(luminance(indirect_rgb[slot]) / mean, 1.0, kMostRaysForBrightness) : 1.0;
+    rays.push_back(uint32_t(impl_->settings.gather_rays * brightness) & ~1u);
+  }
   ByteWriter writer;
-  write(writer, gatherSlots(impl_->scene, impl_->atlas, impl_->tracer, impl_->sides, radiosity_rgb, impl_->settings.gather_rays, impl_->settings.seed, impl_->tilt(),
-                            first, end, &cancel));
+  writer.array(radiosity_rgb);
+  writer.array(direct_radiosity_rgb);
+  writer.array(unevenSlots(atlas, hard_rgb));
+  writer.array(rays);
   return writer.take();
+}
+
+Bytes LightmapBaker::gather(uint32_t first, uint32_t end, ByteView refined, const CancelFlag& cancel) const {
+  ByteReader reader(refined);
+  const auto radiosity_rgb = reader.array<Rgb>(), direct_radiosity_rgb = reader.array<Rgb>();
+  const auto uneven = reader.array<uint8_t>();
+  const auto rays = reader.array<uint32_t>();
+  require(uneven.size() == slotCount());
+  require(radiosity_rgb.size() == sideCount() && direct_radiosity_rgb.size() == sideCount() && rays.size() == slotCount());
+  for (const uint32_t count : rays) require(count >= 2 && count <= impl_->settings.gather_rays * kMostRaysForBrightness);
+  DirectSampler::Context lights = impl_->hardLights(cancel);
+  lights.tilt = nullptr;
+  DirectSampler direct(lights);
+  return bytesOf(gatherSlots(impl_->scene, impl_->atlas, impl_->tracer, impl_->sides,
+                             {.radiosity_rgb = radiosity_rgb, .direct_radiosity_rgb = direct_radiosity_rgb, .uneven = uneven, .direct = &direct},
+                             {.rays = std::span(rays).subspan(first, end - first), .round = 1, .tilt = impl_->tilt(), .seed = impl_->settings.seed}, first, end, &cancel));
 }
 
 Lightmap LightmapBaker::assemble(std::span<const ByteView> direct, std::span<const ByteView> gathered, int threads, const CancelFlag& cancel) const {
   Lightmap map;
-  const auto exposed = std::span(impl_->exposed()).first(slotCount());
-  const auto share = [&](GatheredPair pair) {
-    resize(pair, slotCount());
-    return shareIrradiance(impl_->atlas, exposed, pair, threads, &cancel);
-  };
+  const auto share = [&](GatheredPair pair) { return impl_->share(std::move(pair), threads, cancel); };
   const DirectLight light = readDirect(direct, sideCount(), impl_->hasSoftLights(), impl_->settings.directional);
   add(share(light.hard), map.direct_rgb, map.direct_gradient);
   if (impl_->hasSoftLights()) add(share(light.soft), map.direct_rgb, map.direct_gradient);
-  GatheredPair pair;
-  for (const ByteView bytes : gathered) {
-    ByteReader reader(bytes);
-    appendPair(reader, pair);
-  }
-  requirePair(pair, slotCount(), impl_->settings.directional);
-  add(share(pair), map.indirect_rgb, map.indirect_gradient);
+  add(share(readGathered(gathered, slotCount(), impl_->settings.directional)), map.indirect_rgb, map.indirect_gradient);
   normalise(map.direct_rgb, map.direct_gradient);
   normalise(map.indirect_rgb, map.indirect_gradient);
   return map;

@@ -1,10 +1,10 @@
 // The stages of a light map of static lights, as pure functions from bytes to bytes.
 //
 //   first light(sides) ─▶ direct light(sides) ─┐
-//   rows(patches) ─────────────────────────────┴▶ radiosity ─▶ gather(slots) ─▶ assemble
+//   rows(patches) ─────────────────────────────┴▶ radiosity ─▶ gather(slots) ─▶ refine ─▶ gather(slots) ─▶ assemble
 //
-// Light of lamps and plain emitters is sampled, with more samples where shadows have their edges. Indirect light is one gathering step from every texel into a coarse solution of all
-// bounces. All of it is shared between texels as far as it is smooth.
+// Light of lamps and plain emitters is sampled, with more samples where shadows have their edges. Indirect light is gathered from every texel, first with few rays into a coarse
+// solution of all bounces, then into what that has given: each gathering is an exact step. All of it is shared between texels as far as it is smooth.
 #pragma once
 #include <memory>
 
@@ -18,7 +18,8 @@ struct LightmapSettings {
   DirectOptions direct;
   PatchOptions patches{.coarsest = 4, .most = 8000};
   uint32_t cache_rays = 256;   // per patch
-  uint32_t gather_rays = 128;  // per texel, even
+  uint32_t first_gather_rays = 32;  // per texel, even
+  uint32_t gather_rays = 128;  // per texel, even; up to 16 times as many where it is bright
   bool directional = false;    // how light changes with the normal is wanted too
   uint64_t seed = 1;
 };
@@ -53,8 +54,12 @@ class LightmapBaker {
   Bytes rows(uint32_t first, uint32_t end) const;
   /// Radiosity of all sides. Inputs in range order.
   Bytes radiosity(std::span<const ByteView> direct, std::span<const ByteView> rows, const CancelFlag& cancel) const;
-  /// Indirect light on the slots [first, end), from `radiosity`.
-  Bytes gather(uint32_t first, uint32_t end, ByteView radiosity, const CancelFlag& cancel) const;
+  /// Indirect light on the slots [first, end), from `radiosity`, with few rays.
+  Bytes firstGather(uint32_t first, uint32_t end, ByteView radiosity, const CancelFlag& cancel) const;
+  /// Radiosity of all sides, of fronts with the indirect light of firstGather, and how many rays each slot gets.
+  Bytes refine(std::span<const ByteView> direct, ByteView radiosity, std::span<const ByteView> first_gathered, int threads, const CancelFlag& cancel) const;
+  /// Indirect light on the slots [first, end), from `refine`.
+  Bytes gather(uint32_t first, uint32_t end, ByteView refined, const CancelFlag& cancel) const;
   /// Inputs in range order. This and the stages before throw std::runtime_error for inputs that no stage wrote.
   Lightmap assemble(std::span<const ByteView> direct, std::span<const ByteView> gathered, int threads, const CancelFlag& cancel) const;
 

@@ -9,6 +9,7 @@ namespace {
 
 constexpr uint64_t kSoftStream = 10ull << 40;
 constexpr uint32_t kBatchPaths = 4096;
+constexpr float kUneven = 1;            // difference to a neighbour, over the mean of the scene
 constexpr float kMostContrast = 0.25f;  // between a texel and its neighbours, for few samples to be believed
 
 /// Of emitters and the sky.
@@ -59,18 +60,23 @@ float meanIrradiance(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_
   return float(sum / std::max(area, 1e-30));
 }
 
-/// The greatest difference between a slot and those beside it in its chart, over the greater of the two and `dark`.
-float contrast(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_rgb, uint32_t slot, float dark) {
+/// Luminance of the slots beside `slot` in its chart, itself among them.
+template <class Body>
+void forBeside(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_rgb, uint32_t slot, const Body& body) {
   const int x = int(atlas.slots[slot].texel) % atlas.width, y = int(atlas.slots[slot].texel) / atlas.width;
-  const float own = luminance(irradiance_rgb[slot]);
-  float most = 0;
   for (int ty = std::max(0, y - 1); ty <= std::min(atlas.height - 1, y + 1); ++ty)
     for (int tx = std::max(0, x - 1); tx <= std::min(atlas.width - 1, x + 1); ++tx) {
       const uint32_t other = atlas.texel_slot[size_t(ty) * size_t(atlas.width) + size_t(tx)];
       if (other == kNone || atlas.slots[other].chart != atlas.slots[slot].chart) continue;
-      const float there = luminance(irradiance_rgb[other]);
-      most = std::max(most, std::abs(there - own) / std::max({there, own, dark, 1e-30f}));
+      body(luminance(irradiance_rgb[other]));
     }
+}
+
+/// The greatest difference between a slot and those beside it in its chart, over the greater of the two and `dark`.
+float contrast(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_rgb, uint32_t slot, float dark) {
+  const float own = luminance(irradiance_rgb[slot]);
+  float most = 0;
+  forBeside(atlas, irradiance_rgb, slot, [&](float there) { most = std::max(most, std::abs(there - own) / std::max({there, own, dark, 1e-30f})); });
   return most;
 }
 
@@ -133,6 +139,16 @@ GatheredPair softLight(const PathContext& context, const Sides& sides, const Dir
     if (options.tilt) pair.gradient.push_back(Vec3(s.gradient / double(kSampleGroups * s.count)));
   }
   return pair;
+}
+
+std::vector<uint8_t> unevenSlots(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_rgb) {
+  const float most = kUneven * meanIrradiance(atlas, irradiance_rgb);
+  std::vector<uint8_t> uneven(atlas.slots.size());
+  for (uint32_t slot = 0; slot < uneven.size(); ++slot) {
+    const float own = luminance(irradiance_rgb[slot]);
+    forBeside(atlas, irradiance_rgb, slot, [&](float there) { uneven[slot] |= std::abs(there - own) > most; });
+  }
+  return uneven;
 }
 
 }  // namespace lightwell::transport

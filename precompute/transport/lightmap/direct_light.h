@@ -31,4 +31,7 @@ GatheredPair directLight(const DirectSampler::Context& context, const DirectOpti
 /// Light of emitters that are not plain and of the sky, which has soft shadows only and is shared between texels: two independent estimates. `context` has no lamps.
 GatheredPair softLight(const PathContext& context, const Sides& sides, const DirectOptions& options, uint32_t first, uint32_t end);
 
+/// Flags per slot: its light is so far from that of a slot beside it that one value for all of the texel will not do for what sees a part of it.
+std::vector<uint8_t> unevenSlots(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_rgb);
+
 }  // namespace lightwell::transport

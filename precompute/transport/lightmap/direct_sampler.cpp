@@ -48,57 +48,66 @@ Vec3 DirectSums::gradient() const {
 void DirectSampler::sample(uint32_t count, std::span<DirectSums*> list) {
   for (DirectSums* sums : list) {
     for (uint32_t i = sums->count; i < count; ++i)
-      for (uint32_t group = 0; group < kSampleGroups; ++group) add(*sums, group, i);
+      for (uint32_t group = 0; group < kSampleGroups; ++group) {
+        const uint64_t owner = combineKeys(uint64_t(sums->side) + kDirectStream, group);
+        const Sampler sampler(context_.seed, owner);
+        const auto point = sampleSide(context_.scene.mesh, context_.atlas, context_.sides, sums->side, sampler.get1D(i, kPatch), sampler.get2D(i, kPlace));
+        add(sums->group[group], {point.position, point.normal, point.geometric_normal, sampler, i}, owner);
+      }
     sums->count = std::max(sums->count, count);
     if (lamp_rays_.size() + emitter_rays_.size() >= kBatchRays) flush();
   }
   flush();
 }
 
-void DirectSampler::add(DirectSums& sums, uint32_t group, uint32_t sample) {
-  const uint64_t owner = combineKeys(uint64_t(sums.side) + kDirectStream, group);
-  const Sampler sampler(context_.seed, owner);
-  const auto point = sampleSide(context_.scene.mesh, context_.atlas, context_.sides, sums.side, sampler.get1D(sample, kPatch), sampler.get2D(sample, kPlace));
+std::vector<Rgb> DirectSampler::irradiance(std::span<const Receiver> receivers) {
+  std::vector<DirectSums::Group> groups(receivers.size());
+  for (size_t i = 0; i < receivers.size(); ++i) add(groups[i], receivers[i], kDirectStream);
+  flush();
+  std::vector<Rgb> irradiance_rgb;
+  for (const DirectSums::Group& group : groups) irradiance_rgb.emplace_back(group.lamps_rgb + group.arrived_rgb);
+  return irradiance_rgb;
+}
+
+void DirectSampler::add(DirectSums::Group& group, const Receiver& at, uint64_t key) {
   lamp_samples_.clear();
-  context_.lamps.sample(point.position, point.normal, true, sampler.get1D(sample, kLamp), lamp_samples_);
+  context_.lamps.sample(at.position, at.normal, true, at.sampler.get1D(at.sample, kLamp), lamp_samples_);
   for (const PunctualLights::Sample& lamp : lamp_samples_) {
-    if (!(lamp.to_light.dot(point.geometric_normal) > 0.0f)) continue;
-    const Vec3 origin = trace::Tracer::offsetOrigin(point.position, point.geometric_normal, lamp.to_light);
+    if (!(lamp.to_light.dot(at.geometric_normal) > 0.0f)) continue;
+    const Vec3 origin = trace::Tracer::offsetOrigin(at.position, at.geometric_normal, lamp.to_light);
     if (std::isfinite(lamp.distance))
-      lamp_rays_.push_back({origin, point.position + lamp.to_light * lamp.distance - origin, 0.0f, kSegmentEnd});
+      lamp_rays_.push_back({origin, at.position + lamp.to_light * lamp.distance - origin, 0.0f, kSegmentEnd});
     else
       lamp_rays_.push_back({origin, lamp.to_light});
-    lamp_arrivals_.push_back({&sums.group[group], lamp.irradiance_rgb, context_.tilt ? context_.tilt->gradient(point.normal, lamp.to_light) : Vec3(0.0f), kNone});
+    lamp_arrivals_.push_back({&group, lamp.irradiance_rgb, context_.tilt ? context_.tilt->gradient(at.normal, lamp.to_light) : Vec3(0.0f), kNone});
   }
-  if (!context_.emitters.empty()) aimAtEmitter(sums, group, sampler, sample, point);
+  if (!context_.emitters.empty()) aimAtEmitter(group, at, key);
 }
 
 /// All emitters' exact light, and a ray to one of them, picked by what it gives.
-void DirectSampler::aimAtEmitter(DirectSums& sums, uint32_t group_index, const Sampler& sampler, uint32_t sample, const atlas::SurfacePoint& point) {
+void DirectSampler::aimAtEmitter(DirectSums::Group& group, const Receiver& at, uint64_t key) {
   const PlainEmitters& emitters = context_.emitters;
-  DirectSums::Group& group = sums.group[group_index];
   cumulative_.resize(emitters.count());
   float total = 0;
   for (uint32_t i = 0; i < emitters.count(); ++i) {
-    const float irradiance = emitters.irradiance(i, point.position, point.normal);
-    const Rgb irradiance_rgb = emitters.radiance(i) * irradiance;
+    const Rgb irradiance_rgb = emitters.radiance(i) * emitters.irradiance(i, at.position, at.normal);
     group.emitters_rgb += Vec3d(irradiance_rgb);
     cumulative_[i] = total += luminance(irradiance_rgb);
   }
   if (!(total > 0.0f)) return;
-  const float target = sampler.get1D(sample, kEmitter) * total;
+  const float target = at.sampler.get1D(at.sample, kEmitter) * total;
   uint32_t picked = uint32_t(std::upper_bound(cumulative_.begin(), cumulative_.end(), target) - cumulative_.begin());
   picked = std::min(picked, emitters.count() - 1);
   const float share = (cumulative_[picked] - (picked ? cumulative_[picked - 1] : 0.0f)) / total;
   if (!(share > 0.0f)) return;
-  const PlainEmitters::Sample ray = emitters.sample(picked, point.position, point.normal, sampler.get2D(sample, kOnEmitter));
+  const PlainEmitters::Sample ray = emitters.sample(picked, at.position, at.normal, at.sampler.get2D(at.sample, kOnEmitter));
   if (!(ray.weight > 0.0f)) return;
   const Rgb irradiance_rgb = emitters.radiance(picked) * (ray.weight / share);
   group.expected_rgb += Vec3d(irradiance_rgb);
-  if (!(ray.direction.dot(point.geometric_normal) > 0.0f)) return;
-  emitter_rays_.push_back({.origin = trace::Tracer::offsetOrigin(point.position, point.geometric_normal, ray.direction), .direction = ray.direction,
-                           .key = mixBits(combineKeys(combineKeys(uint64_t(sums.side) + kDirectStream, group_index), sample))});
-  emitter_arrivals_.push_back({&group, irradiance_rgb, context_.tilt ? context_.tilt->gradient(point.normal, ray.direction) : Vec3(0.0f), emitters.triangle(picked)});
+  if (!(ray.direction.dot(at.geometric_normal) > 0.0f)) return;
+  emitter_rays_.push_back({.origin = trace::Tracer::offsetOrigin(at.position, at.geometric_normal, ray.direction), .direction = ray.direction,
+                           .key = mixBits(combineKeys(key, at.sample))});
+  emitter_arrivals_.push_back({&group, irradiance_rgb, context_.tilt ? context_.tilt->gradient(at.normal, ray.direction) : Vec3(0.0f), emitters.triangle(picked)});
 }
 
 void DirectSampler::flush() {

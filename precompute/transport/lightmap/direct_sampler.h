@@ -57,9 +57,18 @@ class DirectSampler {
   /// Adds samples to all of `list`, until each group has `count`. What a side gets depends on nothing but its own counts.
   void sample(uint32_t count, std::span<DirectSums*> list);
 
+  /// A place anywhere on the surface; its random numbers are the points number `sample` of `sampler`.
+  struct Receiver {
+    Vec3 position, normal, geometric_normal;
+    Sampler sampler;
+    uint32_t sample;
+  };
+  /// An unbiased estimate of irradiance at each of them, from one ray to each light that is looked at.
+  std::vector<Rgb> irradiance(std::span<const Receiver> receivers);
+
  private:
-  void add(DirectSums& sums, uint32_t group, uint32_t sample);
-  void aimAtEmitter(DirectSums& sums, uint32_t group, const Sampler& sampler, uint32_t sample, const atlas::SurfacePoint& point);
+  void add(DirectSums::Group& group, const Receiver& at, uint64_t key);
+  void aimAtEmitter(DirectSums::Group& group, const Receiver& at, uint64_t key);
   void flush();
 
   struct Arrival {

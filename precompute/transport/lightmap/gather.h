@@ -15,8 +15,25 @@ struct GatheredPair {
   std::vector<Vec3> gradient;  // of both together: irradiance in luminance times how it changes with the normal (tilt.h); or empty
 };
 
-/// Indirect irradiance from `rays` (even) rays from each of the slots [first, end), over its whole surface. `radiosity_rgb` per side; `tilt` null: without gradients.
-GatheredPair gatherSlots(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, std::span<const Rgb> radiosity_rgb,
-                         uint32_t rays, uint64_t seed, const TiltKernel* tilt, uint32_t first, uint32_t end, const CancelFlag* cancel);
+class DirectSampler;
+
+/// What rays end in.
+struct GatherSource {
+  std::span<const Rgb> radiosity_rgb;         // per side
+  std::span<const Rgb> direct_radiosity_rgb;  // per side, the part that `direct` samples; or empty
+  std::span<const uint8_t> uneven;            // per slot: flagged where one value for all of the texel will not do
+  DirectSampler* direct = nullptr;            // for hits on these and for near ones, where the means of texels are too coarse; null: texels are fine enough
+};
+
+struct GatherOptions {
+  std::span<const uint32_t> rays;    // per slot of the range, even
+  uint32_t round = 0;                // 0 or 1: rays of different rounds are independent
+  const TiltKernel* tilt = nullptr;  // null: without gradients
+  uint64_t seed = 1;
+};
+
+/// Indirect irradiance of each of the slots [first, end), over its whole surface.
+GatheredPair gatherSlots(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, const GatherSource& source,
+                         const GatherOptions& options, uint32_t first, uint32_t end, const CancelFlag* cancel);
 
 }  // namespace lightwell::transport
