@@ -59,52 +59,87 @@ bool LightSet::isInside(Double3 aim) const {
   return p.kind == LampProjection::sphere || aim.x * double(p.axis[0]) + aim.y * double(p.axis[1]) + aim.z * double(p.axis[2]) >= double(p.cos_outer);
 }
 
-/// The nearest place of the projection.
-Double3 LightSet::intoDomain(Double3 aim) const {
-  const LampProjection& p = *projection_;
-  if (isInside(aim)) return aim;
-  if (p.kind == LampProjection::plane) {
-    const double most = double(std::max(p.half[0], p.half[1])), x = double(p.half[0]) / most, y = double(p.half[1]) / most;
-    return {std::clamp(aim.x, -x, x), std::clamp(aim.y, -y, y), 0};
-  }
-  const Double3 axis{double(p.axis[0]), double(p.axis[1]), double(p.axis[2])};
-  const Double3 across = aim - axis * dot(aim, axis);
-  const double length = std::sqrt(dot(across, across)), cosine = double(p.cos_outer), sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
-  const Double3 out = across * (length > 0 ? sine / length : 0);
-  return {axis.x * cosine + out.x, axis.y * cosine + out.y, axis.z * cosine + out.z};
+double LightSet::room(Double3 at) const {
+  double least = 1e30;
+  for (uint32_t i = 0; i < placed_; ++i) least = std::min(least, distance(at, aim_[i]));
+  return least;
 }
 
-/// The circle through the corners of a face; where its middle is outside, the place at the border next to it.
-LightSet::Gap LightSet::gapOf(const SphereHull::Face& face) const {
-  Double3 middle = face.normal;
-  const bool plane = projection_->kind == LampProjection::plane;
-  bool exact = true;
-  for (const uint32_t corner : face.corner) exact &= corner >= kGhosts || projection_->kind == LampProjection::sphere;
-  if (plane) {
-    // The plane through lifted points a . (2x, 2y, r² − 1) = offset (r² + 1) is a circle about −a.xy / (a.z − offset).
-    const double w = face.normal.z - face.offset;
-    if (!(std::fabs(w) > 1e-12)) return {{0, 0, 0}, 0};
-    middle = {-face.normal.x / w, -face.normal.y / w, 0};
+/// Places at the border that are as far from a as from b. Returns how many.
+int LightSet::borderPlaces(Double3 a, Double3 b, Double3* places) const {
+  const LampProjection& p = *projection_;
+  const Double3 d = b - a;
+  int count = 0;
+  if (p.kind == LampProjection::plane) {
+    const double most = double(std::max(p.half[0], p.half[1])), x = double(p.half[0]) / most, y = double(p.half[1]) / most;
+    const double along = 0.5 * (dot(b, b) - dot(a, a));
+    for (const double side : {-1.0, 1.0}) {
+      const double at_y = (along - side * x * d.x) / d.y, at_x = (along - side * y * d.y) / d.x;
+      if (std::fabs(at_y) <= y) places[count++] = {side * x, at_y, 0};
+      if (std::fabs(at_x) <= x) places[count++] = {at_x, side * y, 0};
+    }
+    return count;
   }
-  if (exact && isInside(middle)) return {middle, plane ? distance(middle, aim_[face.corner[0] - kGhosts]) : std::sqrt(std::max(2 - 2 * face.offset, 0.0))};
-  middle = intoDomain(middle);
-  double least = 1e30;
-  for (uint32_t i = 0; i < placed_; ++i) least = std::min(least, distance(middle, aim_[i]));
-  return {middle, least};
+  const Double3 axis{double(p.axis[0]), double(p.axis[1]), double(p.axis[2])}, line = cross(axis, d);
+  const double turned = dot(axis, d), scale = double(p.cos_outer) / (1 - turned * turned / dot(d, d)), back = -scale * turned / dot(d, d);
+  const Double3 foot{axis.x * scale + d.x * back, axis.y * scale + d.y * back, axis.z * scale + d.z * back};
+  const double reach = std::sqrt((1 - dot(foot, foot)) / dot(line, line));
+  if (!(reach >= 0)) return 0;
+  for (const double side : {-reach, reach}) places[count++] = {foot.x + line.x * side, foot.y + line.y * side, foot.z + line.z * side};
+  return count;
+}
+
+/// The circle through the corners of a face. Where its middle is outside, the widest of those about the places where the bisectors of its edges leave the projection. Radius −1: not wider than `least`.
+LightSet::Gap LightSet::gapOf(const SphereHull::Face& face, double least) const {
+  Double3 middle = face.normal;
+  const bool plane = projection_->kind == LampProjection::plane, sphere = projection_->kind == LampProjection::sphere;
+  bool exact = sphere;
+  if (!sphere) {
+    exact = true;
+    for (const uint32_t corner : face.corner) exact &= corner >= kGhosts;
+    if (plane) {
+      // Lifted points (2x, 2y, r² − 1) / (r² + 1) with normal · point = offset are those of a circle about −normal.xy / (normal.z − offset).
+      const double w = face.normal.z - face.offset;
+      exact &= std::fabs(w) > 1e-12;
+      middle = {-face.normal.x / w, -face.normal.y / w, 0};
+    }
+  }
+  Gap widest{{0, 0, 0}, -1};
+  if (exact && isInside(middle)) {
+    const double radius = plane ? distance(middle, aim_[face.corner[0] - kGhosts]) : std::sqrt(std::max(2 - 2 * face.offset, 0.0));
+    return radius > least ? Gap{middle, radius} : widest;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const uint32_t a = face.corner[k], b = face.corner[(k + 1) % 3];
+    if (a < kGhosts || b < kGhosts) continue;
+    Double3 places[4];
+    const int count = borderPlaces(aim_[a - kGhosts], aim_[b - kGhosts], places);
+    for (int i = 0; i < count; ++i)
+      if (const double radius = distance(places[i], aim_[a - kGhosts]); radius > std::max(least, widest.radius) && room(places[i]) > radius * (1 - 1e-6)) widest = {places[i], radius};
+  }
+  return widest;
 }
 
 LightSet::Gap LightSet::widestGap() const {
   Gap widest{{0, 0, 0}, -1};
   for (uint32_t f = 0; f < hull_.count(); ++f)
-    if (const Gap gap = gapOf(hull_.face(f)); gap.radius > widest.radius) widest = gap;
+    if (const Gap gap = gapOf(hull_.face(f), widest.radius); gap.radius > widest.radius) widest = gap;
+  if (projection_->kind == LampProjection::plane) {
+    const double most = double(std::max(projection_->half[0], projection_->half[1]));
+    for (int i = 0; i < 4; ++i) {
+      const Double3 corner{(i & 1 ? 1 : -1) * double(projection_->half[0]) / most, (i & 2 ? 1 : -1) * double(projection_->half[1]) / most, 0};
+      if (const double radius = room(corner); placed_ && radius > widest.radius) widest = {corner, radius};
+    }
+  }
   if (widest.radius > 0) return widest;
   // Too few lights for a triangulation.
   for (uint32_t i = 0; i < lights_; ++i) {
     Double3 candidate = spread(*projection_, i, lights_);
-    if (projection_->kind == LampProjection::plane) candidate = intoDomain(candidate);
-    double least = 1e30;
-    for (uint32_t k = 0; k < placed_; ++k) least = std::min(least, distance(candidate, aim_[k]));
-    if (least > widest.radius) widest = {candidate, least};
+    if (projection_->kind == LampProjection::plane) {
+      const double most = double(std::max(projection_->half[0], projection_->half[1]));
+      candidate.x *= double(projection_->half[0]) / most, candidate.y *= double(projection_->half[1]) / most;
+    }
+    if (const double radius = room(candidate); radius > widest.radius) widest = {candidate, radius};
   }
   return widest;
 }
@@ -124,7 +159,7 @@ void LightSet::findNearest(uint32_t i) {
 /// The shortest edge of a Delaunay triangulation joins the closest pair.
 void LightSet::removeCrowded(uint32_t most) {
   const uint32_t gaps = hull_.count();
-  for (uint32_t f = 0; f < gaps; ++f) gaps_[f] = gapOf(hull_.face(f)).radius;
+  for (uint32_t f = 0; f < gaps; ++f) gaps_[f] = gapOf(hull_.face(f), 0).radius;
   const uint32_t wanted = std::min(most, gaps);
   std::partial_sort(gaps_.begin(), gaps_.begin() + wanted, gaps_.begin() + gaps, [](double a, double b) { return a > b; });
   for (uint32_t i = 0; i < placed_; ++i) findNearest(i);
@@ -153,7 +188,9 @@ uint32_t LightSet::update(const LampProjection& projection, const float* aims, u
     const float* a = aims + size_t(i) * 4;
     if (!(a[3] > 0.5f) || !allFinite(a, 3)) continue;
     slot_[placed_] = i;
-    aim_[placed_++] = {double(a[0]) * scale_x, double(a[1]) * scale_y, double(a[2])};
+    Double3 aim{double(a[0]) * scale_x, double(a[1]) * scale_y, double(a[2])};
+    if (projection.kind != LampProjection::plane) aim = aim * (1 / std::sqrt(std::max(dot(aim, aim), 1e-30)));
+    aim_[placed_++] = aim;
   }
   const auto buildHull = [&] {
     const bool plane = projection.kind == LampProjection::plane;

@@ -33,9 +33,10 @@ class LightSet {
     double radius;  // distance to the nearest light
   };
   Double3 lifted(Double3 aim) const;
-  Double3 intoDomain(Double3 aim) const;
   bool isInside(Double3 aim) const;
-  Gap gapOf(const SphereHull::Face& face) const;
+  double room(Double3 at) const;
+  int borderPlaces(Double3 a, Double3 b, Double3* places) const;
+  Gap gapOf(const SphereHull::Face& face, double least) const;
   Gap widestGap() const;
   void place(Double3 aim);
   void findNearest(uint32_t i);
