@@ -66,7 +66,8 @@ void summarise(Console& console, const bake::Baked& baked, const fs::path& outpu
 std::unique_ptr<bake::ResultStore> openStore(const Options& options, Diagnostics& diagnostics) {
   if (options.cache) return std::make_unique<bake::DirectoryStore>(*options.cache, diagnostics);
   // Several attempts share what does not differ between them.
-  if (options.bake.request.size_limit_bytes || options.bake.request.target_error) return std::make_unique<bake::MemoryStore>();
+  const bake::Request& request = options.bake.request;
+  if (request.size_limit_bytes || request.target_error || request.time_limit_s) return std::make_unique<bake::MemoryStore>();
   return std::make_unique<bake::NullStore>();
 }
 

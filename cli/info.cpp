@@ -4,6 +4,7 @@
 
 #include "cli/command.h"
 #include "format/encode/reader.h"
+#include "precompute/bake/run.h"
 
 namespace lightwell::cli {
 namespace {
@@ -164,8 +165,7 @@ json documentOf(const format::Reader& reader) {
   const auto meta = reader.meta();
   for (const auto& o : meta.omitted()) document["omitted"].push_back({{"type", o.type()}, {"reason", o.reason()}});
   for (const auto& e : meta.errors())
-    document["errors"].push_back(
-        {{"section", e.section()}, {"relrmse", e.relrmse()}, {"texrel", e.texrel()}, {"bias", e.bias()}, {"against", e.against()}});
+    document["errors"].push_back(bake::errorJson(e));
   const auto& p = meta.provenance();
   const json settings = json::parse(p.settings_json(), nullptr, false);
   document["provenance"] = {{"tool_version", p.tool_version()},
@@ -193,6 +193,11 @@ bool isThereForPortals(const json& d) {
   if (!content.contains("radiosity") || content["radiosity"]["portals"].empty() || d["provenance"].is_null()) return false;
   const json& settings = d["provenance"]["settings"];
   return settings.is_object() && settings.value("techniques", json()) == "auto";
+}
+
+/// " (LOW to HIGH)", or nothing.
+std::string intervalText(const json& error, const char* key) {
+  return error.contains(key) ? " (" + error[key][0].dump() + " to " + error[key][1].dump() + ")" : "";
 }
 
 void printForPeople(const json& d) {
@@ -224,8 +229,8 @@ void printForPeople(const json& d) {
           padded(c["codec"].get<std::string>(), 18) + formatBytes(c["stored_bytes"].get<double>()));
   }
   for (const auto& e : d["errors"])
-    out("measured error of " + e["section"].get<std::string>() + ": relrmse " + e["relrmse"].dump() + ", texrel " + e["texrel"].dump() +
-        ", bias " + e["bias"].dump() + " against " + e["against"].get<std::string>());
+    out("measured error of " + e["section"].get<std::string>() + ": relrmse " + e["relrmse"].dump() + intervalText(e, "relrmse_interval") + ", texrel " +
+        e["texrel"].dump() + intervalText(e, "texrel_interval") + ", bias " + e["bias"].dump() + " against " + e["against"].get<std::string>());
   if (isThereForPortals(d)) out("with radiosity: the scene has portals, which the other sections have as they are in the file");
   for (const auto& o : d["omitted"]) out("without " + o["type"].get<std::string>() + ": " + o["reason"].get<std::string>());
 }

@@ -89,6 +89,10 @@ void verifyMeta(VerifyContext& context) {
         !std::isfinite(error.bias()))
       context.report(IssueId::header_value, "meta", "header",
                      "the measured error of \"" + error.section() + "\" is negative or not finite");
+  for (const v1::MeasuredError& error : meta.errors())
+    for (const auto& [low, high] : {std::pair{error.relrmse_low(), error.relrmse_high()}, std::pair{error.texrel_low(), error.texrel_high()}})
+      if (!std::isfinite(high) || !(low >= 0 && low <= high))
+        context.report(IssueId::header_value, "meta", "header", "an interval of the measured error of \"" + error.section() + "\" is upside down or not finite");
   for (const v1::Omitted& omitted : meta.omitted())
     if (omitted.type().empty() || omitted.reason().empty())
       context.report(IssueId::header_value, "meta", "header", "an omitted section has no type or no reason");

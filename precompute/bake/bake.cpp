@@ -61,6 +61,7 @@ struct ContainerParts {
   InputRange probe_links;                          // empty without probes
   std::shared_ptr<const transport::LightmapBaker> lightmap;
   InputRange lightmap_direct, lightmap_gathered;   // empty without a light map
+  InputRange lightmap_measured;                    // empty unless its error is wanted
   InputRange vpl;                                  // empty without virtual lights
   InputRange references;                           // of indirect light, for whatever gives it
   InputRange environment, environment_errors;      // at most one each
@@ -73,6 +74,16 @@ void addError(v1::MetaHeader& meta, const char* section, double relrmse, double 
   error->set_texrel(texrel);
   error->set_bias(bias);
   error->set_against(against);
+}
+
+void addError(v1::MetaHeader& meta, const transport::LightmapError& measured) {
+  if (measured.texels == 0) return;
+  addError(meta, "lightmap", measured.relrmse.value, measured.texrel.value, measured.bias, "all light, path-traced at " + std::to_string(measured.texels) + " texels");
+  v1::MeasuredError& error = *meta.mutable_errors()->rbegin();
+  error.set_relrmse_low(measured.relrmse.low);
+  error.set_relrmse_high(measured.relrmse.high);
+  error.set_texrel_low(measured.texrel.low);
+  error.set_texrel_high(measured.texrel.high);
 }
 
 Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const plan::Settings& settings, const ContainerParts& parts,
@@ -100,6 +111,8 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   std::optional<transport::Lightmap> lightmap;
   if (plan.lightmap)
     lightmap = parts.lightmap->assemble(viewsOf(parts.lightmap_direct.of(in)), viewsOf(parts.lightmap_gathered.of(in)), context.threads(), in.cancel);
+  if (const auto measured = viewsOf(parts.lightmap_measured.of(in)); lightmap && !measured.empty())
+    addError(meta, parts.lightmap->measure(*lightmap, measured[0], std::span(measured).subspan(1)));
   in.cancel.check();
   VplResult vpl;
   for (const Blob& result : parts.vpl.of(in)) vpl = readVplResult(*result);
@@ -188,9 +201,10 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     if (plan.probes) parts.probe_links = take(addProbeTasks(result.graph, context, parts.probes, radiosity_settings, radiosity));
   }
   if (plan.lightmap) {
-    const LightmapTasks lightmap = addLightmapTasks(result.graph, context, lightmap_settings, parts.lightmap);
+    const LightmapTasks lightmap = addLightmapTasks(result.graph, context, lightmap_settings, parts.lightmap, options.test_lights > 0);
     parts.lightmap_direct = take(lightmap.direct);
     parts.lightmap_gathered = take(lightmap.gathered);
+    parts.lightmap_measured = take(lightmap.measured);
   }
   if (plan.vpl) parts.vpl = take({addVplTasks(result.graph, context, vplSettings(options.settings))});
   if (plan.environment) {

@@ -22,7 +22,7 @@ struct BakeGraph {
 struct GraphOptions {
   plan::Settings settings;       // techniques, quality and refinement may differ from the context's
   std::vector<Warning> warnings; // stored in the container's provenance
-  uint32_t test_lights = 0;      // the PRM's error is measured with so many lights; 0: not
+  uint32_t test_lights = 0;      // errors are measured, those of indirect light with so many lights; 0: not
   bool time_limited = false;     // stored: the quality was chosen by the clock
 };
 /// `tasks` runs what the graph's form depends on.

@@ -11,7 +11,8 @@ namespace lightwell::bake {
 namespace {
 
 // Elements of a stage in one task: a few tenths of a second of work. Part of what names a task, never of what it computes.
-constexpr uint32_t kSidesPerTask = 2048, kPatchesPerTask = 512, kSlotsPerTask = 1024;
+constexpr uint32_t kSidesPerTask = 2048, kPatchesPerTask = 512, kSlotsPerTask = 1024, kMeasuredPerTask = 64;
+constexpr double kRaysPerMeasured = 2000;  // about
 
 /// All that shines.
 Parameters lightParameters(const BakeContext& context, const transport::LightmapSettings& s) {
@@ -62,7 +63,7 @@ std::shared_ptr<const transport::LightmapBaker> makeLightmapBaker(const BakeCont
 }
 
 LightmapTasks addLightmapTasks(TaskGraph& graph, const BakeContext& context, const transport::LightmapSettings& settings,
-                               std::shared_ptr<const transport::LightmapBaker> baker) {
+                               std::shared_ptr<const transport::LightmapBaker> baker, bool measure) {
   const transport::DirectOptions& d = settings.direct;
   LightmapTasks tasks;
   const auto first = addRange(graph, "lightmap", "first light", lightParameters(context, settings), baker->sideCount(), kSidesPerTask, d.samples, {},
@@ -95,6 +96,12 @@ LightmapTasks addLightmapTasks(TaskGraph& graph, const BakeContext& context, con
   tasks.gathered = addRange(graph, "lightmap", "gather", Parameters(reflection).add(settings.gather_rays, settings.directional), baker->slotCount(), kSlotsPerTask,
                             settings.gather_rays, {refined},
                             [baker](uint32_t begin, uint32_t end, const TaskInputs& in) { return baker->gather(begin, end, *in.inputs[0], in.cancel); });
+  if (measure) {
+    tasks.measured = addRange(graph, "lightmap", "measure", Parameters(context.keys().reflection).add(lightParameters(context, settings)), baker->referenceCount(),
+                              kMeasuredPerTask, kRaysPerMeasured, {refined},
+                              [baker](uint32_t begin, uint32_t end, const TaskInputs& in) { return baker->references(begin, end, *in.inputs[0], in.cancel); });
+    tasks.measured.insert(tasks.measured.begin(), refined);
+  }
   return tasks;
 }
 

@@ -17,9 +17,10 @@ std::shared_ptr<const transport::LightmapBaker> makeLightmapBaker(const BakeCont
 /// What the section "lightmap" is assembled from, in range order.
 struct LightmapTasks {
   std::vector<TaskIndex> direct, gathered;
+  std::vector<TaskIndex> measured;  // what its error is measured with: of the refined radiosity, then of the references; or none
 };
-/// `baker` was made with `settings`.
+/// `baker` was made with `settings`; `measure`: the error is wanted.
 LightmapTasks addLightmapTasks(TaskGraph& graph, const BakeContext& context, const transport::LightmapSettings& settings,
-                               std::shared_ptr<const transport::LightmapBaker> baker);
+                               std::shared_ptr<const transport::LightmapBaker> baker, bool measure);
 
 }  // namespace lightwell::bake

@@ -48,9 +48,9 @@ class Attempts {
   /// The measured error of the last attempt; none when nothing could be measured.
   std::optional<double> error() const {
     const auto meta = format::Reader(*outcome.container).meta();
-    std::optional<double> largest;  // of what gives indirect light
+    std::optional<double> largest;  // of what gives light to surfaces
     for (const auto& error : meta.errors())
-      if (error.section() == "prm" || error.section() == "radiosity") largest = std::max(largest.value_or(0.0), error.relrmse());
+      if (error.section() == "prm" || error.section() == "radiosity" || error.section() == "lightmap") largest = std::max(largest.value_or(0.0), error.relrmse());
     if (largest) return largest;
     return std::nullopt;
   }
@@ -115,7 +115,7 @@ Outcome bakeWithin(const BakeContext& context, const Limits& limits, const std::
       say("time is up: the container keeps the error that it has");
       settings = attempts.outcome.settings;
     }
-    if (!error) diagnostics.warn("", "--target-error: only the errors of prm and radiosity are measured; what was baked has the quality's own");
+    if (!error) diagnostics.warn("", "--target-error: only the errors of prm, radiosity and lightmap are measured; what was baked has the quality's own");
     if (error && *error > *limits.target_error)
       diagnostics.warn(
           "", "the measured error is " + std::to_string(*error) + ", not the " + std::to_string(*limits.target_error) + " asked for");

@@ -12,7 +12,7 @@ struct Limits {
   /// Drafts are finished whatever they take; better qualities only if they end in time. The one thing that makes bytes depend on the
   /// machine's speed: the container says so when its quality is not the one asked for.
   std::optional<std::chrono::steady_clock::time_point> deadline;
-  /// Measured median relrmse of the PRM: refined up to plan::kFinestRefinement until it is reached, else there is a warning.
+  /// Measured relrmse, the largest of the techniques': refined up to plan::kFinestRefinement until it is reached, else there is a warning.
   std::optional<double> target_error;
   /// Of the file: coarsened down to plan::kCoarsestRefinement until it fits, else a UsageError names the smallest size. Stronger than the
   /// target.

@@ -64,6 +64,13 @@ Baked runBake(const Request& request, ResultStore& store, Diagnostics& run_diagn
   return baked;
 }
 
+nlohmann::json errorJson(const v1::MeasuredError& e) {
+  nlohmann::json error{{"section", e.section()}, {"relrmse", e.relrmse()}, {"texrel", e.texrel()}, {"bias", e.bias()}, {"against", e.against()}};
+  if (e.relrmse_high() > 0) error["relrmse_interval"] = {e.relrmse_low(), e.relrmse_high()};
+  if (e.texrel_high() > 0) error["texrel_interval"] = {e.texrel_low(), e.texrel_high()};
+  return error;
+}
+
 nlohmann::json reportJson(const Baked& baked) {
   using nlohmann::json;
   const auto& [outcome, report] = baked;
@@ -79,8 +86,7 @@ nlohmann::json reportJson(const Baked& baked) {
   for (const char* key : {"sections", "omitted", "phases", "warnings"}) document[key] = json::array();
   if (!report.errors.empty()) document["error"] = json::array();
   for (const auto& e : report.errors)
-    document["error"].push_back(
-        {{"section", e.section()}, {"relrmse", e.relrmse()}, {"texrel", e.texrel()}, {"bias", e.bias()}, {"against", e.against()}});
+    document["error"].push_back(errorJson(e));
   for (const auto& s : report.sections)
     document["sections"].push_back({{"type", s.type}, {"stored_bytes", s.stored_bytes}, {"raw_bytes", s.raw_bytes}});
   for (const auto& o : outcome.omitted) document["omitted"].push_back({{"type", o.type}, {"reason", o.reason}});

@@ -46,6 +46,8 @@ struct Baked {
 Baked runBake(const Request& request, ResultStore& store, Diagnostics& run_diagnostics, const CancelFlag& cancel,
               const Listener& listener);
 
+/// One measured error, as reports and `info` give it.
+nlohmann::json errorJson(const v1::MeasuredError& error);
 /// schemas/bake.schema.json without "output".
 nlohmann::json reportJson(const Baked& baked);
 

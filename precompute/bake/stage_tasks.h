@@ -24,6 +24,10 @@ class Parameters {
     text_.append(1, ' ').append(key.hex());
     return *this;
   }
+  Parameters& add(const Parameters& others) {
+    text_.append(1, ' ').append(others.text_);
+    return *this;
+  }
   const std::string& text() const { return text_; }
 
  private:

@@ -1,7 +1,9 @@
 // Light maps from the scene to the evaluated atlas: a closed room, whose light is known, on both evaluators.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "tests/cli/command_fixture.h"
@@ -16,7 +18,8 @@ class CliLightmapTest : public CommandTest {
  protected:
   void SetUp() override { writeFile(path("lamp.gltf"), roomGltf({.albedo = 0.7, .lamp_candela = 1})); }
   std::vector<std::string> bakeTo(const std::string& file, const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{"bake", path("lamp.gltf"), "-o", path(file), "--techniques", "lightmap", "--lightmap-size", "32", "--quality", "draft"};
+    std::vector<std::string> arguments{"bake", path("lamp.gltf"), "-o", path(file), "--techniques", "lightmap", "--lightmap-size", "32"};
+    if (std::find(more.begin(), more.end(), "--quality") == more.end()) arguments.insert(arguments.end(), {"--quality", "draft"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
@@ -83,8 +86,43 @@ TEST_F(CliLightmapTest, WhatIsKeptOfAnotherBakeIsOnlyWhatIsTheSame) {
   EXPECT_EQ(readFile(path("kept.lwc")), readFile(path("clean.lwc")));
 }
 
+TEST_F(CliLightmapTest, TheErrorIsMeasuredAndRefinedTo) {
+  const auto report = nlohmann::json::parse(run(bakeTo("m.lwc", {"--quality", "preview", "--json"})).out);
+  ASSERT_EQ(report["error"].size(), 1u);
+  const auto error = report["error"][0];
+  EXPECT_EQ(error["section"], "lightmap");
+  EXPECT_LE(error["relrmse_interval"][0], error["relrmse"]);
+  EXPECT_GE(error["relrmse_interval"][1], error["relrmse"]);
+  EXPECT_LT(error["relrmse"], 0.1);
+  EXPECT_THAT(run({"info", path("m.lwc")}).out, HasSubstr("measured error of lightmap"));
+  run({"verify", path("m.lwc")});
+  // A draft is only measured when an error is asked for.
+  EXPECT_TRUE(nlohmann::json::parse(run(bakeTo("m.lwc", {"--json"})).out)["error"].is_null());
+  const auto refined = nlohmann::json::parse(run(bakeTo("m.lwc", {"--target-error", "0.02", "--json"})).out);
+  EXPECT_LE(refined["error"][0]["relrmse"], 0.02);
+}
+
+TEST_F(CliLightmapTest, TheClockLeavesADraftAtLeast) {
+  const auto cut = nlohmann::json::parse(run(bakeTo("m.lwc", {"--quality", "production", "--time-limit", "0", "--json"})).out);
+  EXPECT_EQ(cut["settings"]["quality"], "draft");
+  EXPECT_TRUE(cut["time_limited"]);
+  run({"verify", path("m.lwc")});
+}
+
+TEST_F(CliLightmapTest, ADirectionalMapHasTheSameLight) {
+  run(bakeTo("m.lwc"));
+  const double flat = evaluate("total");
+  run(bakeTo("m.lwc", {"--directional"}));
+  run({"verify", path("m.lwc")});
+  EXPECT_EQ(evaluate("total"), flat);
+  EXPECT_TRUE(nlohmann::json::parse(run({"info", path("m.lwc"), "--json"}).out)["content"]["lightmap"]["has_gradients"]);
+  const Finished wrong = lightwell({"bake", path("lamp.gltf"), "-o", path("m.lwc"), "--directional"});
+  EXPECT_EQ(wrong.exit_code, 2);
+}
+
 TEST_F(CliLightmapTest, ATargetThatNothingMeasuresIsSaid) {
-  EXPECT_THAT(run(bakeTo("m.lwc", {"--target-error", "0.05"})).err, HasSubstr("--target-error: only"));
+  EXPECT_THAT(run({"bake", path("lamp.gltf"), "-o", path("v.lwc"), "--techniques", "vpl", "--lightmap-size", "32", "--quality", "draft", "--target-error", "0.05"}).err,
+              HasSubstr("--target-error: only"));
 }
 
 }  // namespace

@@ -6,12 +6,16 @@
 #include "precompute/transport/lightmap/irradiance_cache.h"
 #include "precompute/transport/lightmap/share.h"
 #include "precompute/transport/radiosity/patch_bytes.h"
+#include "precompute/transport/reference/reference.h"
 #include "precompute/transport/stage_bytes.h"
 
 namespace lightwell::transport {
 namespace {
 
 constexpr double kMostRaysForBrightness = 16;
+constexpr uint32_t kMeasuredTexels = 768, kReferences = 4;
+constexpr uint32_t kReferenceSamples = 64;         // in each reference of a texel
+constexpr uint64_t kReferenceSeed = 0x6c696768746d6170ull;  // apart from the seeds of people's own references
 
 void append(std::vector<Rgb>& to, const std::vector<Rgb>& values) { to.insert(to.end(), values.begin(), values.end()); }
 
@@ -110,6 +114,7 @@ struct LightmapBaker::Impl {
   const scene::Scene& scene;
   const atlas::Atlas& atlas;
   const trace::Tracer& tracer;
+  const std::vector<scene::Light>& lights;
   const SkyLight* sky;
   LightmapSettings settings;
   Sides sides;
@@ -132,6 +137,23 @@ struct LightmapBaker::Impl {
   const Emitters& softEmitters() const { return plain_emitters.empty() ? emitters : no_emitters; }
   PathContext softLights(const CancelFlag& cancel) const { return {scene, atlas, tracer, softEmitters(), no_lamps, sky, Component::direct, &cancel}; }
   bool hasSoftLights() const { return sky || !softEmitters().empty(); }
+  struct Refined {
+    std::vector<Rgb> radiosity_rgb, direct_radiosity_rgb;  // per side
+    std::vector<uint8_t> uneven;                           // per slot
+    std::vector<uint32_t> rays;                            // likewise
+  };
+  Refined readRefined(ByteView bytes) const {
+    ByteReader reader(bytes);
+    Refined refined;
+    refined.radiosity_rgb = reader.array<Rgb>();
+    refined.direct_radiosity_rgb = reader.array<Rgb>();
+    refined.uneven = reader.array<uint8_t>();
+    refined.rays = reader.array<uint32_t>();
+    require(refined.radiosity_rgb.size() == sides.slot.size() && refined.direct_radiosity_rgb.size() == sides.slot.size());
+    require(refined.uneven.size() == sides.front_count && refined.rays.size() == sides.front_count);
+    for (const uint32_t count : refined.rays) require(count >= 2 && count <= settings.gather_rays * kMostRaysForBrightness);
+    return refined;
+  }
   /// Of all sides or of the fronts; shared on the fronts.
   SharedLight share(GatheredPair pair, int threads, const CancelFlag& cancel) const {
     resize(pair, sides.front_count);
@@ -158,7 +180,7 @@ Bytes makeLightmapPatchBytes(const scene::Scene& scene, const atlas::Atlas& atla
 
 LightmapBaker::LightmapBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const std::vector<scene::Light>& lights,
                              const SkyLight* sky, const LightmapSettings& settings, ByteView patches)
-    : impl_(new Impl{scene, atlas, tracer, sky, settings, surfaceSides(atlas), Emitters(scene), PlainEmitters(scene), PunctualLights(lights)}) {
+    : impl_(new Impl{scene, atlas, tracer, lights, sky, settings, surfaceSides(atlas), Emitters(scene), PlainEmitters(scene), PunctualLights(lights)}) {
   impl_->exposed_patches = readPatches(patches, impl_->sides.slot.size());
   colorPatches(atlas, impl_->sides, impl_->exposed(), impl_->exposed_patches.patches);
 }
@@ -251,19 +273,41 @@ Bytes LightmapBaker::refine(std::span<const ByteView> direct, ByteView radiosity
 }
 
 Bytes LightmapBaker::gather(uint32_t first, uint32_t end, ByteView refined, const CancelFlag& cancel) const {
-  ByteReader reader(refined);
-  const auto radiosity_rgb = reader.array<Rgb>(), direct_radiosity_rgb = reader.array<Rgb>();
-  const auto uneven = reader.array<uint8_t>();
-  const auto rays = reader.array<uint32_t>();
-  require(uneven.size() == slotCount());
-  require(radiosity_rgb.size() == sideCount() && direct_radiosity_rgb.size() == sideCount() && rays.size() == slotCount());
-  for (const uint32_t count : rays) require(count >= 2 && count <= impl_->settings.gather_rays * kMostRaysForBrightness);
+  const auto [radiosity_rgb, direct_radiosity_rgb, uneven, rays] = impl_->readRefined(refined);
   DirectSampler::Context lights = impl_->hardLights(cancel);
   lights.tilt = nullptr;
   DirectSampler direct(lights);
   return bytesOf(gatherSlots(impl_->scene, impl_->atlas, impl_->tracer, impl_->sides,
                              {.radiosity_rgb = radiosity_rgb, .direct_radiosity_rgb = direct_radiosity_rgb, .uneven = uneven, .direct = &direct},
                              {.rays = std::span(rays).subspan(first, end - first), .round = 1, .tilt = impl_->tilt(), .seed = impl_->settings.seed}, first, end, &cancel));
+}
+
+uint32_t LightmapBaker::referenceCount() const { return std::min(slotCount(), kMeasuredTexels); }
+
+Bytes LightmapBaker::references(uint32_t first, uint32_t end, ByteView refined, const CancelFlag& cancel) const {
+  const auto chosen = chooseTexels(impl_->readRefined(refined).rays, kMeasuredTexels, impl_->settings.seed);
+  const auto count = uint32_t(chosen.slot.size());  // fewer than asked for when one was chosen twice
+  const auto slots = std::span(chosen.slot).subspan(std::min(first, count), std::min(end, count) - std::min(first, count));
+  ByteWriter writer;
+  for (uint64_t k = 0; k < kReferences; ++k) {
+    ReferenceOptions options{.samples = kReferenceSamples, .threads = 1, .sky = impl_->sky, .cancel = &cancel};
+    options.seed = combineKeys(combineKeys(impl_->settings.seed, kReferenceSeed), k);
+    writer.array(referenceIrradianceOf(slots, impl_->scene, impl_->atlas, impl_->tracer, impl_->lights, Component::total, options).irradiance_rgb);
+  }
+  return writer.take();
+}
+
+LightmapError LightmapBaker::measure(const Lightmap& map, ByteView refined, std::span<const ByteView> references) const {
+  const auto chosen = chooseTexels(impl_->readRefined(refined).rays, kMeasuredTexels, impl_->settings.seed);
+  std::vector<std::vector<Rgb>> reference_rgb(kReferences);
+  for (const ByteView part : references) {
+    ByteReader reader(part);
+    for (auto& values : reference_rgb) append(values, reader.array<Rgb>());
+  }
+  for (const auto& values : reference_rgb) require(values.size() == chosen.slot.size());
+  std::vector<Rgb> candidate_rgb;
+  for (const uint32_t slot : chosen.slot) candidate_rgb.push_back(map.direct_rgb[slot] + map.indirect_rgb[slot]);
+  return measureLightmap(reference_rgb, candidate_rgb, chosen.weight);
 }
 
 Lightmap LightmapBaker::assemble(std::span<const ByteView> direct, std::span<const ByteView> gathered, int threads, const CancelFlag& cancel) const {

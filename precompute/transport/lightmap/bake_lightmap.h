@@ -10,6 +10,7 @@
 
 #include "precompute/core/bytes.h"
 #include "precompute/transport/lightmap/direct_light.h"
+#include "precompute/transport/lightmap/measure_lightmap.h"
 #include "precompute/transport/radiosity/patches.h"
 
 namespace lightwell::transport {
@@ -60,6 +61,11 @@ class LightmapBaker {
   Bytes refine(std::span<const ByteView> direct, ByteView radiosity, std::span<const ByteView> first_gathered, int threads, const CancelFlag& cancel) const;
   /// Indirect light on the slots [first, end), from `refine`.
   Bytes gather(uint32_t first, uint32_t end, ByteView refined, const CancelFlag& cancel) const;
+  /// Path-traced light at the texels number [first, end) of those to measure at, several times, independently; they are chosen by what `refine` knows.
+  Bytes references(uint32_t first, uint32_t end, ByteView refined, const CancelFlag& cancel) const;
+  uint32_t referenceCount() const;
+  /// The error of all light together. `references` of all of them, in range order.
+  LightmapError measure(const Lightmap& map, ByteView refined, std::span<const ByteView> references) const;
   /// Inputs in range order. This and the stages before throw std::runtime_error for inputs that no stage wrote.
   Lightmap assemble(std::span<const ByteView> direct, std::span<const ByteView> gathered, int threads, const CancelFlag& cancel) const;
 
