@@ -12,6 +12,7 @@
 #include "cli/prm_evaluator.h"
 #include "cli/radiosity_evaluator.h"
 #include "cli/vpl_evaluator.h"
+#include "cli/vpl_evaluator_gl.h"
 #include "format/encode/atomic_file.h"
 #include "format/encode/reader.h"
 #include "precompute/bake/container_scene.h"
@@ -38,6 +39,8 @@ struct Options {
   double cut_error = 0.1;
   std::optional<float> clamp;
   bool no_restore = false;
+  uint32_t shadow_map_size = 256;
+  float pieces = 4;
   render::EnvironmentSettings environment;
   int threads = 0;
 };
@@ -152,6 +155,22 @@ std::vector<Rgb> lightOfDynamicLamps(const Options& options, const RuntimeContai
                                                              .lights = options.dynamic_lights, .shadow_side = options.dynamic_shadows}));
 }
 
+/// The same as a game draws it.
+std::vector<Rgb> lightOfVirtualLightsOnGl(Session& session, const Options& options, Component component, const RuntimeContainer& runtime,
+                                          const bake::ContainerScene& container) {
+  VplGlResult light;
+  {
+    ProgressMeter meter(session.console, "virtual lights");
+    light = evaluateVplOnGl({.container = runtime, .component = component, .shadow_map_side = options.shadow_map_size, .pieces = options.pieces,
+                             .progress = [&](double fraction) { meter.update(fraction); }});
+  }
+  char text[160];
+  std::snprintf(text, sizeof text, "%u virtual lights and parts of them in %.0f ms (%.2f ms each), after %.0f ms of setup", light.lights, light.draw_ms,
+                light.lights ? light.draw_ms / light.lights : 0.0, light.setup_ms);
+  session.console.line(text);
+  return valuesOfSlots(container.atlas, light.atlas_rgba);
+}
+
 std::vector<Rgb> lightOfSky(Session& session, const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container,
                             const trace::Tracer& tracer) {
   ProgressMeter meter(session.console, "sky");
@@ -166,7 +185,6 @@ void run(Session& session, const Options& options) {
   if (options.probes_out) checkWritable(*options.probes_out);
   const bool by_cells = options.technique == "environment", by_patches = options.technique == "radiosity", baked = options.technique == "lightmap";
   const bool by_virtual_lights = options.technique == "vpl";
-  if (by_virtual_lights && options.evaluator == "gl" && !options.dynamic) throw UsageError("--evaluator gl: this version evaluates virtual lights on the CPU only, not on OpenGL yet");
   if (options.dynamic && (!by_virtual_lights || options.evaluator != "gl")) throw UsageError("--dynamic: only --technique vpl --evaluator gl finds virtual lights of lamps that move");
   if (by_virtual_lights && options.lights && !options.dynamic) throw UsageError("--lights: virtual lights come from the lights that they were baked with; bake --lights bakes others");
   if (baked && options.lights) throw UsageError("--lights: a light map holds the lights that it was baked with; bake --lights bakes others");
@@ -207,6 +225,7 @@ void run(Session& session, const Options& options) {
   if (baked) add(lightOfLightmap(options, component, runtime, container));
   else if (options.dynamic && component != Component::direct) add(lightOfDynamicLamps(options, runtime, container));
   else if (options.dynamic) {}
+  else if (by_virtual_lights && options.evaluator == "gl") add(lightOfVirtualLightsOnGl(session, options, component, runtime, container));
   else if (by_virtual_lights) add(lightOfVirtualLights(session, options, component, runtime, container, tracer));
   else if (by_patches) add(lightOfRadiosity(session, options, component, runtime, container, portal_open, tracer));
   else if (reader.has("prm")) add(lightOfTransport(session, options, component, sky, runtime, container, tracer));
@@ -223,7 +242,7 @@ void addEvaluate(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand("evaluate", "What the runtime makes of a container, as an atlas of irradiance");
   command->add_option("container", options->container, "Container to evaluate")->required()->type_name("OUT.lwc");
   addOutput(*command, options->output, "EXR to write: RGB irradiance, A = 1 where a texel is covered (half of it, or a sliver's)");
-  command->add_option("--technique", options->technique, "prm: transport of lamps, and what it holds of a sky; lightmap: what was baked for lights that do not move; vpl: their virtual lights, each shadowed by rays (on the CPU); radiosity: form factors, all bounces; environment: the same, but a sky lights straight "
+  command->add_option("--technique", options->technique, "prm: transport of lamps, and what it holds of a sky; lightmap: what was baked for lights that do not move; vpl: their virtual lights, each shadowed by rays on the CPU, by shadow maps on OpenGL; radiosity: form factors, all bounces; environment: the same, but a sky lights straight "
                    "through its cells, shadowed one by one")
       ->required()
       ->type_name("NAME")
@@ -287,6 +306,14 @@ void addEvaluate(CLI::App& app, Session& session) {
       ->type_name("MOST")
       ->check(CLI::Range(0.0f, 1e12f));
   command->add_flag("--no-restore", options->no_restore, "Virtual points on the CPU only: do not restore the light that the clamp takes away");
+  command->add_option("--shadow-map-size", options->shadow_map_size, "Virtual lights on OpenGL only: pixels along the middle face of each light's half cube of depths, even; 0: no shadows")
+      ->type_name("N")
+      ->check(CLI::Range(0u, 2048u))
+      ->capture_default_str();
+  command->add_option("--pieces", options->pieces, "Virtual lights on OpenGL only: large polygons are cut until there are so many pieces for each light on average, each with a shadow map of its own")
+      ->type_name("F")
+      ->check(CLI::Range(1.0f, 16.0f))
+      ->capture_default_str();
   addEnvironmentLight(*command, options->environment);
   addThreads(*command, options->threads);
   command->footer(R"(Only the container is needed: shadows are ray-traced in its geometry, also for gl, except those of a sky's cells: these are rays on the CPU
@@ -303,6 +330,9 @@ Examples:
     for (const char* option : {"--cut-error", "--clamp", "--no-restore"})
       if (command->count(option) > 0 && (options->technique != "vpl" || options->evaluator != "cpu"))
         throw UsageError(std::string(option) + ": only --technique vpl --evaluator cpu picks and clamps virtual lights");
+    for (const char* option : {"--shadow-map-size", "--pieces"})
+      if (command->count(option) > 0 && (options->technique != "vpl" || options->evaluator != "gl"))
+        throw UsageError(std::string(option) + ": only --technique vpl --evaluator gl draws shadow maps of virtual lights");
     run(session, *options);
   });
 }

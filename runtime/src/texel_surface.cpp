@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "format/decode/pixel.h"
 #include "format/decode/texels.h"
 #include "runtime/src/form_factor.h"
 #include "runtime/src/geometry.h"
@@ -25,7 +26,8 @@ void packNormal(Float3 n, float* packed) {
 /// Sums over a texel's pieces of surface, weighted by area.
 struct Sum {
   double position_m[3], area_m2;
-  Float3 shading, surface;
+  double square_m2[6];              // xx, yy, zz, xy, yz, zx
+  Float3 shading, surface, along_u;
 };
 
 class Finder {
@@ -64,6 +66,15 @@ class Finder {
     return LW_OK;
   }
 
+  /// A triangle's mean square is (Σ corner² + 9 middle²) / 12.
+  static void addSquare(Sum& sum, const double (&p)[3], double weight, double* total) {
+    for (int k = 0; k < 3; ++k) {
+      sum.square_m2[k] += weight * p[k] * p[k];
+      sum.square_m2[3 + k] += weight * p[k] * p[(k + 1) % 3];
+      if (total) total[k] += p[k];
+    }
+  }
+
   void addTriangle(const uint32_t* corner) {
     Float3 position[3], normal[3];
     format::ClipVertex clip[3];
@@ -73,32 +84,43 @@ class Finder {
       clip[c] = {format::toTexels(uv[0], int(out_.width)), format::toTexels(uv[1], int(out_.height)), c == 1 ? 1.0 : 0.0, c == 2 ? 1.0 : 0.0};
     }
     const Float3 ab = position[1] - position[0], ac = position[2] - position[0], twice = cross(ab, ac);
+    // The way that the light map's u goes on the surface.
+    Float3 along_u = ab * float(clip[2].y - clip[0].y) - ac * float(clip[1].y - clip[0].y);
+    if ((clip[1].x - clip[0].x) * (clip[2].y - clip[0].y) < (clip[2].x - clip[0].x) * (clip[1].y - clip[0].y)) along_u = along_u * -1;
+    along_u = along_u * (1 / std::max(lengthOf(along_u), 1e-30f));
     const double area_m2 = std::max(0.5 * double(lengthOf(twice)), 1e-30);  // that every triangle has some
     format::clipToCells(clip, {0, long(out_.width), 0, long(out_.height)}, [&](long x, long y, const format::ClipPolygon& piece) {
       const uint32_t value = own_[size_t(y) * out_.width + size_t(x)];
       if (value == kNone || format::isNegligible(piece)) return;
       double share = 0, u = 0, v = 0;
+      Sum& sum = sum_[value];
       for (int i = 2; i < piece.count; ++i) {
         const double part = piece.fanShare(i);
+        const format::ClipVertex* fan[3] = {&piece.vertex[0], &piece.vertex[i - 1], &piece.vertex[i]};
         share += part;
-        u += part * (piece.vertex[0].u + piece.vertex[i - 1].u + piece.vertex[i].u) / 3;
-        v += part * (piece.vertex[0].v + piece.vertex[i - 1].v + piece.vertex[i].v) / 3;
+        double middle_m[3] = {};
+        for (const format::ClipVertex* c : fan) {
+          u += part * c->u / 3, v += part * c->v / 3;
+          const Float3 at = position[0] + ab * float(c->u) + ac * float(c->v);
+          addSquare(sum, {double(at.x), double(at.y), double(at.z)}, area_m2 * part / 12, middle_m);
+        }
+        for (int k = 0; k < 3; ++k) sum.position_m[k] += area_m2 * part * middle_m[k] / 3;
+        for (double& m : middle_m) m /= 3;
+        addSquare(sum, {middle_m[0], middle_m[1], middle_m[2]}, area_m2 * part * 0.75, nullptr);
       }
       if (!(share > 0)) return;
       const float s = float(u / share), t = float(v / share), weight = float(area_m2 * share);
-      Sum& sum = sum_[value];
-      const Float3 at = position[0] + ab * s + ac * t;
-      const float coordinate[3] = {at.x, at.y, at.z};
-      for (int k = 0; k < 3; ++k) sum.position_m[k] += double(coordinate[k]) * double(weight);
       sum.area_m2 += double(weight);
       const Float3 shading = normal[0] * (1 - s - t) + normal[1] * s + normal[2] * t;
       sum.shading = sum.shading + shading * (weight / std::max(lengthOf(shading), 1e-20f));
       sum.surface = sum.surface + twice * float(0.5 * share);
+      sum.along_u = sum.along_u + along_u * weight;
     });
   }
 
   lw_result pack() {
-    if (!out_.place.allocate(container_.host, size_t(values_) * 4) || !out_.normal.allocate(container_.host, size_t(values_) * 4))
+    if (!out_.place.allocate(container_.host, size_t(values_) * 4) || !out_.normal.allocate(container_.host, size_t(values_) * 4) ||
+        !out_.axes.allocate(container_.host, size_t(values_) * 8))
       return container_.host.fail(LW_OUT_OF_MEMORY, "no memory for the surfaces of %u texels", values_);
     for (size_t i = 0; i < values_; ++i) {
       const Sum& sum = sum_[i];
@@ -109,8 +131,31 @@ class Finder {
       const bool has_shading = lengthOf(sum.shading) > 1e-3f * float(sum.area_m2), has_surface = lengthOf(sum.surface) > 1e-3f * float(sum.area_m2);
       packNormal(has_shading || !has_surface ? sum.shading : sum.surface, &out_.normal[i * 4]);
       packNormal(has_surface ? sum.surface : sum.shading, &out_.normal[i * 4 + 2]);
+      packAxes(sum, has_surface ? sum.surface : sum.shading, &out_.place[i * 4], &out_.axes[i * 8]);
     }
     return LW_OK;
+  }
+
+  /// Cholesky's factors of the covariance in the tangent plane, the first along the light map's u: a whole texel is their parallelogram, as are those that a chart's straight border cuts.
+  static void packAxes(const Sum& sum, Float3 normal, const float* place, uint16_t* axes) {
+    normal = normal * (1 / std::max(lengthOf(normal), 1e-30f));
+    Float3 tangent = sum.along_u - normal * dot(normal, sum.along_u);
+    if (!(lengthOf(tangent) > 1e-3f * float(sum.area_m2))) tangent = std::abs(normal.x) > 0.5f ? Float3{normal.y, -normal.x, 0} : Float3{0, normal.z, -normal.y};
+    tangent = tangent * (1 / std::max(lengthOf(tangent), 1e-30f));
+    const Float3 bitangent = cross(normal, tangent);
+    const double t[3] = {double(tangent.x), double(tangent.y), double(tangent.z)}, b[3] = {double(bitangent.x), double(bitangent.y), double(bitangent.z)};
+    double tt = 0, tb = 0, bb = 0;
+    for (int k = 0; k < 3; ++k)
+      for (int l = 0; l < 3; ++l) {
+        const double square = sum.square_m2[k == l ? k : (k + 1) % 3 == l ? 3 + k : 3 + l] / sum.area_m2, covariance = square - sum.position_m[k] * sum.position_m[l] / (sum.area_m2 * sum.area_m2);
+        tt += t[k] * t[l] * covariance, tb += t[k] * b[l] * covariance, bb += b[k] * b[l] * covariance;
+      }
+    const double scale = 1 / std::max(double(place[3]), 1e-30), first = std::sqrt(std::max(tt, 0.0)), along = first > 0 ? tb / first : 0, second = std::sqrt(std::max(bb - along * along, 0.0));
+    for (int k = 0; k < 3; ++k) {
+      axes[k] = format::packHalf(float(std::clamp((first * t[k] + along * b[k]) * scale, -1e3, 1e3)));
+      axes[4 + k] = format::packHalf(float(std::clamp(second * b[k] * scale, -1e3, 1e3)));
+    }
+    axes[3] = axes[7] = 0;
   }
 
   const lw_container& container_;

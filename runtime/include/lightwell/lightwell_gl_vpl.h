@@ -33,12 +33,12 @@ typedef struct lw_gl_vpl_options {
   uint32_t component;        /* LW_GL_VPL_DIRECT: lights of bounce 0 (emitters); LW_GL_VPL_INDIRECT: the others; or both */
   uint32_t layers;           /* 1 to 32: sources with a layer of their own; where there are more sources, the last layer is shared by the rest */
   uint32_t shadow_map_side;  /* pixels along the middle face of a light's half cube, even, 16 to 2048; 0: nothing casts a shadow */
-  uint32_t blocker_samples;  /* 0 to 32 places of the map where each texel looks for what may hide a part of the light; 0: all edges of shadows are sharp */
-  uint32_t filter_samples;   /* 1 to 32 points of the light that each texel looks for, where something may */
+  uint32_t filter_samples;   /* 1 to 32 rays from each texel to the light */
+  uint32_t blocker_samples;  /* 0 to 32 places of the map where each texel looks for what may hide a part of the light, for soft shadows of few pieces; 0: each piece's shadow has sharp edges */
   float pieces;              /* 1 to 16: polygons with most light and largest size are cut in two until there are so many pieces for each light on average: each has a shadow map of its own */
-  float epsilon;             /* 0 to 2, in sides of a texel: how near to a light's plane no texel is evaluated (Luksch et al. 2013, section 6.1) */
+  float epsilon;             /* 0 to 2, in sides of a texel: as epsilon_m of lw_virtual_light_irradiance. Texels are evaluated where their own surface is, so that 0 is best for meshes that fit */
 } lw_gl_vpl_options;
-#define LW_GL_VPL_OPTIONS_INIT {sizeof(lw_gl_vpl_options), LW_GL_ATLAS_RGBA16F, 0, 1, LW_GL_VPL_DIRECT | LW_GL_VPL_INDIRECT, 16, 256, 5, 8, 1.0f, 0.5f}
+#define LW_GL_VPL_OPTIONS_INIT {sizeof(lw_gl_vpl_options), LW_GL_ATLAS_RGBA16F, 0, 1, LW_GL_VPL_DIRECT | LW_GL_VPL_INDIRECT, 16, 256, 8, 0, 4.0f, 0.0f}
 
 /* Decodes the geometry, finds the surface in each texel, uploads both, compiles the shaders. Nothing of container and lights is used afterwards. The texture is dark.
  * Fails with LW_GL_UNSUPPORTED (on ES EXT_float_blend is needed), LW_LIMIT_EXCEEDED (more than 2^22 texels with a value; texture sizes), LW_OUT_OF_MEMORY, LW_GL_FAILED,
@@ -52,8 +52,8 @@ LW_API void lw_gl_vpl_destroy(lw_gl_vpl *gl_vpl);
 
 /* GL name of the light map: GL_TEXTURE_2D, width × height of the atlas, irradiance in RGB and 1 in A where a texel has a value; linear filter, clamped to the edge. 0 for NULL. */
 LW_API uint32_t lw_gl_vpl_texture(const lw_gl_vpl *gl_vpl);
-/* Bytes of texture memory that were asked for: for each texel with a value 32 and 16 a layer and one more layer; 4 an atlas texel and the atlas; 12 a pixel of the middle face;
- * 48 a triangle. */
+/* Bytes of texture memory that were asked for: for each texel with a value 48, and 16 a layer and for one more layer; 4 an atlas texel, and the atlas; 12 a pixel of the middle
+ * face; 48 a triangle. */
 LW_API uint64_t lw_gl_vpl_texture_bytes(const lw_gl_vpl *gl_vpl);
 
 typedef struct lw_gl_vpl_progress {

@@ -124,8 +124,8 @@ void drawPiece(const lw_gl_vpl& vpl, const VplDraw& draw, Name framebuffer, cons
   api.UseProgram(program.name);
   api.Uniform4fv(program.uniform[vpl_light_uniform::light], 48, reinterpret_cast<const float*>(&block));
   api.Uniform1i(program.uniform[vpl_light_uniform::values], int32_t(vpl.values));
-  bindLists(api, {vpl.place, vpl.normal});
-  api.ActiveTexture(kTexture0 + 2);
+  bindLists(api, {vpl.place, vpl.normal, vpl.axes});
+  api.ActiveTexture(kTexture0 + 3);
   api.BindTexture(kTexture2d, vpl.depth_map.texture);
   api.BindFramebuffer(kDrawFramebuffer, framebuffer);
   api.Viewport(0, 0, vpl.layer_width, vpl.layer_height);

@@ -61,7 +61,7 @@ struct lw_gl_vpl {
   // Surfaces.
   uint32_t values = 0, opaque_triangles = 0, triangles = 0;
   float extent_m = 0;                     // half of the diagonal of the scene's bounds
-  Name place = 0, normal = 0;             // RGBA32F lists, by value
+  Name place = 0, normal = 0, axes = 0;   // RGBA32F lists, by value; RGBA16F list, two for each
   Name shown = 0;                         // R32UI, atlas: value, or 0xffffffff
   Name corner = 0, alpha_corner = 0;      // RGBA32F lists: of all triangles, opaque ones first; of those with alpha
   Name alpha_material = 0, alpha = 0;     // as in lw_gl_radiosity_injector

@@ -54,7 +54,6 @@ uint lwHash(uint v) {
 // What form_factor.h has, in the same order of operations.
 const char kVplIrradiance[] = R"(
 #define LW_PI 3.14159265
-#define LW_CORNER 0.5
 uniform vec4 u_light[48];             // see LightBlock
 // The angle whose tangent is y / x, for y >= 0: Abramowitz and Stegun (1964), 4.4.49, since that of drivers has two digits less.
 float lwAngle(float y, float x) {
@@ -127,11 +126,13 @@ float lwUnitIrradiance(vec3 position, vec3 normal, float epsilon) {
 }
 )";
 
-// How much of the light a texel sees: percentage-closer soft shadows (Fernando 2005) with the light's own points as the filter. A surface counts as in the way where it stands out of the receiver's
-// own plane by more than it lies beside the line of sight: neither the plane itself, nor what meets it in a corner, shadows it.
+// How much of the light a texel sees: rays from points all over the texel to where the light is seen from, each ended by the map. With blocker samples they end on points all over the light, moved
+// together by how far from the receiver things in the way are: percentage-closer soft shadows (Fernando 2005) whose filter has the light's own shape.
+// A surface counts as in the way where it stands out of the receiver's own plane, by more than a tenth of how far the pixel's middle is beside the ray: the plane itself does not shadow itself.
 const char kVplLight[] = R"(
 uniform sampler2DArray u_place;       // position; half of the texel's side
 uniform sampler2DArray u_normal;      // shading, surface
+uniform sampler2DArray u_axes;        // two for each texel, in halves of its side: see TexelSurface
 uniform sampler2D u_depth;
 uniform int u_values;
 out vec4 o_irradiance;
@@ -155,50 +156,53 @@ vec3 lwPixelAlong(vec3 way, out float nearness) {
   vec2 middle = (pixel + 0.5) * (2.0 / side) - 1.0;
   return ahead ? vec3(middle, 1.0) : first ? vec3(turned, middle.x, middle.y + 1.0) : vec3(middle.x, turned, middle.y + 1.0);
 }
-// Whether something is between the light and what lies along `way`; `share`: how far it is from the light, of the way to the receiver.
+// Whether what the pixel along `way` shows is between the light and the receiver; `share`: how far it is from the light, of the way to the receiver.
 bool lwIsHidden(vec3 receiver, vec3 normal, vec3 way, float slack, out float share) {
   float nearness;
   vec3 line = lwPixelAlong(way, nearness);
-  float line2 = dot(line, line), along = dot(receiver, line) / line2;  // where the line is next to the receiver
-  float seen = u_light[6].x / max(nearness, 1e-30);
+  float along = dot(receiver, line) / dot(line, line), seen = u_light[6].x / max(nearness, 1e-30);  // along: where the line is next to the receiver
   share = seen / max(along, 1e-30);
-  float beside = length(receiver - line * along);
-  return nearness > 0.0 && share < 1.0 && dot(normal, line * seen - receiver) > LW_CORNER * beside + slack;
+  return nearness > 0.0 && share < 1.0 && dot(normal, line * seen - receiver) > 0.1 * length(receiver - line * along) + slack;
 }
-float lwVisible(vec3 position, vec3 normal, vec3 surface, float half_side) {
+// `a`, `b`: the receiver's axes.
+float lwVisible(vec3 position, vec3 normal, vec3 surface, vec3 a, vec3 b, float half_side) {
   if (u_light[6].y < 1.0) return 1.0;
   mat3 frame = transpose(mat3(u_light[3].xyz, u_light[4].xyz, u_light[2].xyz));
-  vec3 receiver = frame * (position - u_light[0].xyz);
+  vec3 middle = frame * (position - u_light[0].xyz);
   normal = frame * normal;
   surface = frame * surface;
-  float distance = length(receiver), slack = 1e-4 * distance + 0.02 * half_side;
+  a = frame * a * 1.7320508;
+  b = frame * b * 1.7320508;
+  float distance = length(middle), slack = 1e-4 * distance + 0.02 * half_side;
   // Within a pixel of the map: a square across the way.
-  vec3 across = normalize(abs(receiver.z) > 0.5 * distance ? cross(receiver, vec3(1.0, 0.0, 0.0)) : cross(receiver, vec3(0.0, 0.0, 1.0)));
-  vec3 other = cross(across, receiver / distance);
+  vec3 across = normalize(abs(middle.z) > 0.5 * distance ? cross(middle, vec3(1.0, 0.0, 0.0)) : cross(middle, vec3(0.0, 0.0, 1.0)));
+  vec3 other = cross(across, middle / distance);
   float pixel = 2.0 * distance / u_light[6].y;
   uint key = lwHash(uint(lwIndex()) ^ floatBitsToUint(u_light[7].y));
   int first = int(key & 31u), blockers = int(u_light[6].z), filters = int(u_light[6].w);
   vec2 shift = vec2(float(key >> 20), float((key >> 8) & 4095u)) / 4096.0;
-  float sum = 0.0, found = 0.0, share;
+  float sum = 0.0, found = 0.0, hidden = 0.0, share;
   for (int i = 0; i < 32; ++i) {
     if (i >= blockers) break;
-    float t = (float(i) + shift.x) / float(blockers), reach = 3.0 * t * t;
-    vec2 at = fract(shift + float(i) * vec2(0.7548776662, 0.5698402910)) - 0.5;
+    float t = float(i) / float(blockers), reach = 3.0 * t * t;
+    vec2 at = fract(shift + float(i) * vec2(0.7548776662, 0.5698402910)) - 0.5, on = 2.0 * fract(shift + float(i) * vec2(0.8191725134, 0.6710436067)) - 1.0;
+    vec3 receiver = middle + on.x * a + on.y * b;
     vec3 way = receiver + reach * u_light[16 + ((first + i) & 31)].xyz + pixel * (at.x * across + at.y * other);
     if (!lwIsHidden(receiver, surface, way, slack, share)) continue;
     float spread = 1.0 / max(share, 1e-4) - 1.0;
-    if (reach > 1.2 * spread + 0.05) continue;
+    hidden += 1.0;
+    if (reach > 1.2 * spread) continue;
     sum += spread;
     found += 1.0;
   }
-  if (blockers > 0 && found == 0.0) return 1.0;
-  float spread = blockers > 0 ? sum / found : 0.0, all = 0.0, seen = 0.0;
+  if (blockers > 0 && hidden == 0.0) return 1.0;
+  float spread = found > 0.0 ? min(sum / found, 1.0) : 0.0, all = 0.0, seen = 0.0;
   for (int i = 0; i < 32; ++i) {
     if (i >= filters) break;
-    vec3 point = u_light[16 + ((first + 7 + i) & 31)].xyz, to = point - receiver;
+    vec2 at = fract(shift + float(i) * vec2(0.7548776662, 0.5698402910)) - 0.5, on = 2.0 * fract(shift + float(i) * vec2(0.8191725134, 0.6710436067)) - 1.0;
+    vec3 receiver = middle + on.x * a + on.y * b, point = u_light[16 + ((first + 7 + i) & 31)].xyz, to = point - receiver;
     float weight = max(dot(to, normal), 0.0) * (u_light[0].w == 3.0 ? 1.0 : max(-to.z, 0.0)) / max(pow(dot(to, to), u_light[0].w == 3.0 ? 1.5 : 2.0), 1e-30);
     all += weight;
-    vec2 at = fract(shift + float(i) * vec2(0.7548776662, 0.5698402910)) - 0.5;
     if (dot(to, surface) > 0.0 && !lwIsHidden(receiver, surface, receiver + spread * point + pixel * (at.x * across + at.y * other), slack, share)) seen += weight;
   }
   return all > 0.0 ? seen / all : 0.0;
@@ -208,9 +212,18 @@ void main() {
   int value = lwIndex();
   if (value >= u_values) return;
   vec4 place = texelFetch(u_place, lwAddress(value), 0), normals = texelFetch(u_normal, lwAddress(value), 0);
-  vec3 normal = lwNormal(normals.xy);
-  float share = lwUnitIrradiance(place.xyz, normal, place.w * u_light[5].w);
-  if (share > 0.0) o_irradiance.rgb = clamp(u_light[5].rgb * (share * lwVisible(place.xyz, normal, lwNormal(normals.zw), place.w)), -1e30, 1e30);
+  vec3 normal = lwNormal(normals.xy), a = place.w * texelFetch(u_axes, lwAddress(value * 2), 0).xyz, b = place.w * texelFetch(u_axes, lwAddress(value * 2 + 1), 0).xyz;
+  float epsilon = place.w * u_light[5].w, share = 0.0;
+  // Near the light its irradiance is not even over the texel: the mean of four points with its covariance.
+  vec3 way = place.xyz - u_light[1].xyz;
+  float gap = max(length(way) - u_light[3].w, abs(dot(way, u_light[2].xyz)));
+  if (8.0 * place.w > gap) {
+    for (int i = 0; i < 4; ++i)
+      share += 0.25 * lwUnitIrradiance(place.xyz + ((i & 1) == 0 ? a : -a) + ((i & 2) == 0 ? b : -b), normal, epsilon);
+  } else {
+    share = lwUnitIrradiance(place.xyz, normal, epsilon);
+  }
+  if (share > 0.0) o_irradiance.rgb = clamp(u_light[5].rgb * (share * lwVisible(place.xyz, normal, lwNormal(normals.zw), a, b, place.w)), -1e30, 1e30);
 }
 )";
 

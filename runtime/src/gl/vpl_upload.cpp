@@ -42,6 +42,7 @@ class Uploader : ListUploader {
       result_ = out_.host.fail(LW_LIMIT_EXCEEDED, "an atlas of %u x %u texels is more than this context takes", surface.width, surface.height);
     list(out_.place, kTexelRgba32f, out_.values, surface.place.data());
     list(out_.normal, kTexelRgba32f, out_.values, surface.normal.data());
+    list(out_.axes, kTexelRgba16f, uint64_t(out_.values) * 2, surface.axes.data());
     if (result_) return;
     out_.atlas.width = int32_t(surface.width), out_.atlas.height = int32_t(surface.height);
     out_.shown = createPicture(api_, kTexelR32ui, out_.atlas.width, out_.atlas.height, kNearest, surface.value_of_texel.data(), out_.texture_bytes);
@@ -155,7 +156,7 @@ class Uploader : ListUploader {
     if (out_.triangles > 0) result_ = depth(out_.depth, "");
     if (!result_ && out_.triangles > out_.opaque_triangles) result_ = depth(out_.depth_alpha, kVplAlphaOn);
     if (!result_)
-      result_ = compileProgram(gl, "virtual light", {kAddress, kHash, kVplIrradiance, kVplLight}, {"u_place", "u_normal", "u_depth"}, {"u_light", "u_values"}, out_.light);
+      result_ = compileProgram(gl, "virtual light", {kAddress, kHash, kVplIrradiance, kVplLight}, {"u_place", "u_normal", "u_axes", "u_depth"}, {"u_light", "u_values"}, out_.light);
     if (!result_) result_ = compileProgram(gl, "light map", {kAddress, kVplShow}, {"u_layer", "u_shown"}, {"u_weight", "u_layers", "u_max"}, out_.show);
   }
 
@@ -250,7 +251,7 @@ void lw_gl_vpl_destroy(lw_gl_vpl* vpl) {
   gl::destroyTarget(api, vpl->atlas);
   gl::destroyTarget(api, vpl->depth_map);
   if (vpl->layer_texture) api.DeleteFramebuffers(int32_t(vpl->layers) + 1, vpl->layer_framebuffer);
-  for (const gl::Name name : {vpl->place, vpl->normal, vpl->shown, vpl->corner, vpl->alpha_corner, vpl->alpha_material, vpl->alpha, vpl->layer_texture})
+  for (const gl::Name name : {vpl->place, vpl->normal, vpl->axes, vpl->shown, vpl->corner, vpl->alpha_corner, vpl->alpha_material, vpl->alpha, vpl->layer_texture})
     if (name) api.DeleteTextures(1, &name);
   for (const gl::Program* program : {&vpl->depth, &vpl->depth_alpha, &vpl->light, &vpl->show})
     if (program->name) api.DeleteProgram(program->name);
