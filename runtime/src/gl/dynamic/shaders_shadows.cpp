@@ -44,9 +44,9 @@ float lwLampVisible(int light, vec3 normal, vec3 to_point, float distance_m, flo
   vec2 at = (vec2(p.x + p.y, p.x - p.y) * 0.5 + 0.5) * float(side);
   ivec2 texel = ivec2(light % row, light / row) * side + clamp(ivec2(at), ivec2(0), ivec2(side - 1));
   float stored = texelFetch(lw_lamp_shadow, texel, 0).r;
-  // What a texel's and a point's size do to depth on a surface that is seen as slanted as the receiver.
-  float slope = 1.0 / max(receiving, 0.1);
-  float bias = (distance_m * 2.0 / float(side) + lw_lamp_numbers[0].w) * slope;
+  // What half a texel (sqrt(2 pi) / side wide) and a point's size do to depth on a surface that is seen as slanted as the receiver.
+  float slope = min(sqrt(max(1.0 - receiving * receiving, 0.0)) / max(receiving, 1e-3), 2.0);
+  float bias = (distance_m * 2.0 / float(side) + lw_lamp_numbers[0].w) * (1.0 + slope);
   return stored <= 0.0 ? 1.0 : clamp((stored + bias - distance_m) / (0.5 * bias) + 1.0, 0.0, 1.0);
 }
 vec3 lwLampIrradiance(vec3 position, vec3 normal, int first, int step) {
