@@ -293,19 +293,6 @@ void addEvaluate(CLI::App& app, Session& session) {
       ->type_name("N")
       ->check(CLI::IsMember(std::set<uint32_t>{0, 8, 16, 32, 64, 128}))
       ->capture_default_str();
-  command
-      ->add_option("--cut-error", options->cut_error,
-                   "Virtual lights on the CPU only: what a group of them that is looked at through one may be wrong by at most, of a texel's irradiance; 0: each light for itself")
-      ->type_name("E")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command
-      ->add_option("--clamp", options->clamp,
-                   "Virtual points on the CPU only: the most irradiance that a lumen gives, 1/m²; 0: no clamp; default: what it gives at most if the point is as large as its share of "
-                   "all surfaces")
-      ->type_name("MOST")
-      ->check(CLI::Range(0.0f, 1e12f));
-  command->add_flag("--no-restore", options->no_restore, "Virtual points on the CPU only: do not restore the light that the clamp takes away");
   command->add_option("--shadow-map-size", options->shadow_map_size, "Virtual lights on OpenGL only: pixels along the middle face of each light's half cube of depths, even; 0: no shadows")
       ->type_name("N")
       ->check(CLI::Range(0u, 2048u))
