@@ -64,6 +64,9 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
   command.add_option("--virtual-lights", options.request.settings.virtual_lights, "With vpl: virtual lights, about; without it the quality decides")
       ->type_name("N")
       ->check(CLI::Range(1u, plan::kMostVirtualLights));
+  command.add_option("--virtual-bounces", options.request.settings.virtual_bounces, "With vpl: leave out light that was reflected more often; without it all of it counts")
+      ->type_name("N")
+      ->check(CLI::Range(1u, plan::kMostVirtualBounces));
   command
       .add_option("--points", options.request.settings.points,
                   "Points on surfaces, for shadow maps of lights that move (docs/many-lights.md): 16384 suit a room; 0: none")

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/error_picture.h"
 #include "precompute/core/image.h"
 #include "precompute/transport/compare.h"
 
@@ -13,11 +14,12 @@ using nlohmann::json;
 
 struct Options {
   fs::path reference, candidate;
-  std::optional<fs::path> second_reference;
+  std::optional<fs::path> second_reference, picture;
   bool json = false;
 };
 
-void run(const Options& options) {
+void run(Session& session, const Options& options) {
+  if (options.picture) checkWritable(*options.picture);
   const auto read = [](const fs::path& file) {
     checkReadable(file);
     return readExr(file);
@@ -26,6 +28,7 @@ void run(const Options& options) {
   std::optional<ImageRgba> second;
   if (options.second_reference) second = read(*options.second_reference);
   const transport::MapError e = transport::compareMaps(reference, candidate, second ? &*second : nullptr);
+  if (options.picture) writeOutput(session, *options.picture, [&] { render::writePng(*options.picture, errorPicture(reference, second ? &*second : nullptr, candidate)); });
   // A map without a lit texel has no relative error: JSON has null for it.
   const auto number = [](double value) { return std::isfinite(value) ? json(value) : json(nullptr); };
   if (options.json) {
@@ -55,7 +58,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addCompare(CLI::App& app, Session&) {
+void addCompare(CLI::App& app, Session& session) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("compare", "Errors of an irradiance map against a reference, over texels covered in both");
   command->add_option("reference", options->reference, "Reference map r")->required()->type_name("REF.exr");
@@ -63,6 +66,8 @@ void addCompare(CLI::App& app, Session&) {
   command->add_option("--second-reference", options->second_reference,
                       "Another noisy reference, independent of the first: the references' own noise then drops out of the errors")
       ->type_name("REF2.exr");
+  command->add_option("--picture", options->picture, "Also show the errors, five times larger: red where the map is too bright, blue where it is too dark, grey where nothing is covered")
+      ->type_name("FILE.png");
   command->add_flag("--json", options->json, "Print JSON (schemas/compare.schema.json)");
   command->footer(R"(relrmse = rms(c - r) / rms(r): what the bright parts are off by.
 texrel = sqrt(mean(((c - r) / (r + 0.1 mean r))^2)): the error seen in each texel, dark ones too.
@@ -70,7 +75,7 @@ bias = mean c / mean r - 1. p99 and max are of |c - r| / rms(r).
 
 Example:
   lightwell compare reference.exr evaluated.exr --json)");
-  command->callback([options] { run(*options); });
+  command->callback([&session, options] { run(session, *options); });
 }
 
 }  // namespace lightwell::cli

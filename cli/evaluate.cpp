@@ -38,7 +38,7 @@ struct Options {
   uint32_t samples = 64;
   double cut_error = 0.1;
   std::optional<float> clamp;
-  bool no_restore = false;
+  bool no_restore = false, every_texel = false;
   uint32_t shadow_map_size = 256;
   float pieces = 4;
   render::EnvironmentSettings environment;
@@ -136,11 +136,11 @@ std::vector<Rgb> lightOfVirtualLights(Session& session, const Options& options, 
   {
     ProgressMeter meter(session.console, "virtual lights");
     light = evaluateVplOnCpu({.container = runtime, .scene = container, .tracer = tracer, .component = component, .samples = options.samples,
-                              .cut_error = options.cut_error, .clamp = options.clamp, .restore = !options.no_restore, .threads = options.threads,
+                              .cut_error = options.cut_error, .clamp = options.clamp, .interpolate = !options.every_texel, .restore = !options.no_restore, .threads = options.threads,
                               .cancel = &session.interrupt.flag(), .progress = [&](double fraction) { meter.update(fraction); }});
   }
   char text[200];
-  std::snprintf(text, sizeof text, "%u virtual lights, %.0f of them for each point, %.3g rays", light.lights, light.lights_a_point, double(light.rays));
+  std::snprintf(text, sizeof text, "%u virtual lights, %.0f of them for each point of %zu texels, %.3g rays", light.lights, light.lights_a_point, light.texels, double(light.rays));
   session.console.line(text);
   if (light.removed > 0) {
     std::snprintf(text, sizeof text, "clamped away: %.2f %% of the light; restored: %.2f %%", 100 * light.removed, 100 * light.restored);
@@ -220,7 +220,8 @@ void run(Session& session, const Options& options) {
     for (size_t slot = 0; slot < irradiance_rgb.size(); ++slot) irradiance_rgb[slot] += part_rgb[slot];
   };
   if (!baked && component != Component::indirect && !container.scene.lights.empty()) add(lightOfLamps(session, options, container, tracer));
-  if (by_cells && component != Component::indirect) add(lightOfSky(session, options, runtime, container, tracer));
+  // Virtual lights hold what of a sky's light has been reflected; straight it comes through its cells.
+  if ((by_cells || (by_virtual_lights && reader.has("environment"))) && component != Component::indirect) add(lightOfSky(session, options, runtime, container, tracer));
   const uint32_t sky = by_cells ? LW_SKY_INDIRECT : LW_SKY_INDIRECT | LW_SKY_DIRECT;
   if (baked) add(lightOfLightmap(options, component, runtime, container));
   else if (options.dynamic && component != Component::direct) add(lightOfDynamicLamps(options, runtime, container));
@@ -283,6 +284,7 @@ void addEvaluate(CLI::App& app, Session& session) {
                    "all surfaces")
       ->type_name("MOST")
       ->check(CLI::Range(0.0f, 1e12f));
+  command->add_flag("--every-texel", options->every_texel, "Virtual lights on the CPU only: interpolate no texel from those around it, however smooth the light is");
   command->add_flag("--no-restore", options->no_restore, "Virtual points on the CPU only: do not restore the light that the clamp takes away");
   command->add_option("--dynamic", options->dynamic, "With vpl on OpenGL: one reflection of lamps that nothing was baked for (--lights), by virtual lights drawn by flux from reflective shadow maps (rsm), or "
                       "kept from frame to frame (iir)")
@@ -314,7 +316,7 @@ Examples:
     for (const char* option : {"--environment-technique", "--environment-cells", "--environment-map-size", "--environment-sun-map-size"})
       if (command->count(option) > 0 && (options->technique != "environment" || options->evaluator != "gl"))
         throw UsageError(std::string(option) + ": only --technique environment --evaluator gl draws a sky's shadows in maps");
-    for (const char* option : {"--cut-error", "--clamp", "--no-restore"})
+    for (const char* option : {"--cut-error", "--clamp", "--every-texel", "--no-restore"})
       if (command->count(option) > 0 && (options->technique != "vpl" || options->evaluator != "cpu"))
         throw UsageError(std::string(option) + ": only --technique vpl --evaluator cpu picks and clamps virtual lights");
     for (const char* option : {"--shadow-map-size", "--pieces"})

@@ -18,7 +18,7 @@ struct Options {
   std::optional<fs::path> standard_error;
   std::string component = "total";
   plan::Settings settings;
-  uint32_t samples = 256;
+  uint32_t samples = 256, bounces = 0;
   std::vector<std::string> portals;
   int threads = 0;
 };
@@ -51,6 +51,7 @@ void run(Session& session, Options& options) {
   if (context.tracer()) {
     transport::ReferenceOptions reference{.samples = options.samples, .seed = options.settings.seed, .threads = options.threads,
                                           .sky = context.skyLight(), .cancel = &session.interrupt.flag()};
+    if (options.bounces) reference.most_bounces = options.bounces;
     ProgressMeter meter(session.console, "path tracing");
     reference.progress = [&](double fraction) { meter.update(fraction); };
     const std::vector<float> portal_open = portalsOpen(portals, context.scene().portals);
@@ -84,6 +85,7 @@ void addReference(CLI::App& app, Session& session) {
       ->type_name("N")
       ->check(CLI::Range(1u, 1u << 24))
       ->capture_default_str();
+  command->add_option("--bounces", options->bounces, "Leave out light that was reflected more often; without it all of it counts")->type_name("N")->check(CLI::Range(1u, 1u << 16));
   command->add_option("--standard-error", options->standard_error, "Also write the standard error of each texel")->type_name("SE.exr");
   addLights(*command, options->source.lights);
   addEnvironment(*command, options->source.environment, options->settings.environment);

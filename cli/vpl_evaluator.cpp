@@ -3,7 +3,7 @@
 #include <atomic>
 
 #include "cli/vpl_texel_light.h"
-#include "precompute/core/parallel.h"
+#include "precompute/transport/texel_lattice.h"
 
 namespace lightwell::cli {
 namespace {
@@ -26,24 +26,29 @@ VplEvaluated evaluateVplOnCpu(const VplEvaluation& evaluation) {
   const auto& slots = evaluation.scene.atlas.slots;
   std::vector<TexelLightResult> results(slots.size());
   std::atomic<size_t> done = 0;
-  parallelFor(slots.size(), 16, evaluation.threads, evaluation.cancel, [&](size_t begin, size_t end) {
-    TexelLight light(evaluation, set);
-    for (size_t i = begin; i < end; ++i) results[i] = light.of(slots[i]);
-    evaluation.progress(double(done += end - begin) / double(slots.size()));
-  });
   VplEvaluated all;
+  all.irradiance_rgb = transport::valuesOverLattice(
+      evaluation.scene.atlas, evaluation.tracer, {.coarsest = evaluation.interpolate ? 8u : 1u}, evaluation.threads, evaluation.cancel,
+      [&](std::span<const uint32_t> some, std::span<Rgb> values_rgb) {
+        TexelLight light(evaluation, set);
+        for (size_t i = 0; i < some.size(); ++i) {
+          results[some[i]] = light.of(slots[some[i]]);
+          values_rgb[i] = results[some[i]].irradiance_rgb;
+        }
+        evaluation.progress(double(done += some.size()) / double(slots.size()));
+      },
+      &all.texels);
   all.lights = info.lights;
   double total = 0, removed = 0, restored = 0;
   uint64_t looks = 0;
   for (size_t i = 0; i < slots.size(); ++i) {
     const double area = double(slots[i].area);
-    all.irradiance_rgb.push_back(results[i].irradiance_rgb);
     total += area * double(luminance(results[i].irradiance_rgb));
     removed += area * results[i].removed, restored += area * results[i].restored;
     all.rays += results[i].rays, looks += results[i].lights;
   }
   if (total > 0) all.removed = removed / total, all.restored = restored / total;
-  if (!slots.empty()) all.lights_a_point = double(looks) / double(slots.size() * pointsOf(evaluation));
+  if (all.texels > 0) all.lights_a_point = double(looks) / double(all.texels * pointsOf(evaluation));
   return all;
 }
 

@@ -18,6 +18,7 @@ struct VplEvaluation {
   uint32_t samples;                // points of each texel are a sixteenth of it, at least four
   double cut_error = 0.1;         // what a group of lights may be wrong by, of the irradiance; 0: each light for itself
   std::optional<float> clamp = {};  // of a point's irradiance ÷ flux, 1/m²; 0: none; empty: as if it were as large as its share of all surfaces
+  bool interpolate = true;         // texels between others where the light is smooth
   bool restore = true;             // what the clamp takes away
   int threads;
   const CancelFlag* cancel;
@@ -27,6 +28,7 @@ struct VplEvaluation {
 struct VplEvaluated {
   std::vector<Rgb> irradiance_rgb;    // per slot
   uint64_t rays = 0;
+  size_t texels = 0;                  // that were not interpolated
   double lights_a_point = 0;          // mean number of lights that a point looked at
   uint32_t lights = 0;                // all there are
   double removed = 0, restored = 0;   // by the clamp and after it, of what there is in the end

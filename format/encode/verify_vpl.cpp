@@ -93,8 +93,8 @@ void verifyVpl(VerifyContext& context) {
   }
   if (!context.find("scene", "header")) return;
   v1::SceneHeader scene;
-  if (context.loadMessage("scene", "header", scene) && uint32_t(scene.lights_size()) + 1 != header.sources())
-    context.report(IssueId::cross_section, kSection, "header", "the sources are not the lamps of the scene and one more");
+  if (context.loadMessage("scene", "header", scene) && header.sources() - uint32_t(scene.lights_size()) - 1 > 1)
+    context.report(IssueId::cross_section, kSection, "header", "the sources are not the lamps of the scene and one or two more");
 }
 
 }  // namespace lightwell::format

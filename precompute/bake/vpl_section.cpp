@@ -31,7 +31,8 @@ void addVplSection(format::Writer& writer, const VplResult& vpl, const scene::Sc
   v1::VplHeader header;
   header.set_lights(uint32_t(lights));
   header.set_vertices(first_vertex.back());
-  header.set_sources(uint32_t(scene.lights.size()) + 1);
+  const uint32_t of_sky = uint32_t(scene.lights.size()) + 1;
+  header.set_sources(std::ranges::find(source, of_sky) == source.end() ? of_sky : of_sky + 1);
   header.set_points(vpl.points);
   writer.addSection("vpl");
   writer.addMessage("vpl", "header", header);

@@ -48,6 +48,7 @@ VplSettings vplSettings(const plan::Settings& settings) {
   const double lights =
       settings.virtual_lights ? settings.virtual_lights : lightsFor(settings.quality) * std::exp2(2.0 * settings.refinement);
   vpl.clusters.lights = uint32_t(std::clamp(lights, 1.0, double(plan::kMostVirtualLights)));
+  vpl.paths.bounces = settings.virtual_bounces;
   vpl.clusters.type = typeOf(settings.virtual_light);
   vpl.clusters.seed = vpl.paths.seed = settings.seed;
   vpl.paths.paths = std::clamp(vpl.clusters.lights * kPathsPerLight, kFewestPaths, kMostPaths);
@@ -56,8 +57,8 @@ VplSettings vplSettings(const plan::Settings& settings) {
 
 TaskIndex addVplTasks(TaskGraph& graph, const BakeContext& context, const VplSettings& settings) {
   const auto paths = std::make_shared<const transport::LightPaths>(context.scene(), context.atlas(), *context.tracer(),
-                                                                   context.scene().lights, settings.paths);
-  const Parameters light = Parameters(context.keys().surfaces).add(context.keys().lights).add(settings.paths.paths, settings.paths.seed);
+                                                                   context.scene().lights, context.skyLight(), settings.paths);
+  const Parameters light = Parameters(context.keys().surfaces).add(context.keys().lights).add(context.skyKey()).add(settings.paths.paths, settings.paths.bounces, settings.paths.seed);
   const auto traced = addRange(graph, "vpl", "light paths", light, paths->count(), kPathsPerTask, 3, {},
                                [paths](uint32_t first, uint32_t end, const TaskInputs& in) {
                                  ByteWriter writer;

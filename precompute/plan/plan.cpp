@@ -16,7 +16,7 @@ std::string uselessness(Technique technique, const SceneFacts& facts) {
   if (technique == Technique::radiosity) return "";  // what neither reflects nor emits may do so later
   if (technique == Technique::lightmap) return facts.has_lamps || facts.has_emitters || facts.has_sky_light ? "" : "nothing shines: no lamp, no emitter, no sky";
   if (technique == Technique::vpl) {
-    if (!facts.has_lamps && !facts.has_emitters) return "nothing shines: no lamp, no emitter (a sky makes no virtual lights)";
+    if (!facts.has_lamps && !facts.has_emitters && !facts.has_sky_light) return "nothing shines: no lamp, no emitter, no sky";
     return facts.has_reflection || facts.has_emitters ? "" : "no surface reflects or emits light";
   }
   if (!facts.has_reflection && !facts.has_emitters && !facts.has_sky_light) return "no surface reflects or emits light";
@@ -63,9 +63,10 @@ void checkLightmap(const Settings& settings) {
 }
 
 void checkVirtualLights(const Settings& settings) {
-  const bool asked = settings.virtual_lights != 0 || settings.virtual_light != VirtualLightShape::automatic;
+  const char* asked = settings.virtual_lights != 0 ? "--virtual-lights" : settings.virtual_bounces != 0 ? "--virtual-bounces"
+                      : settings.virtual_light != VirtualLightShape::automatic ? "--virtual-light" : nullptr;
   if (asked && std::find(settings.techniques.begin(), settings.techniques.end(), Technique::vpl) == settings.techniques.end())
-    throw UsageError(std::string(settings.virtual_lights != 0 ? "--virtual-lights" : "--virtual-light") + ": virtual lights are baked with --techniques vpl");
+    throw UsageError(std::string(asked) + ": virtual lights are baked with --techniques vpl");
 }
 
 void checkEnvironment(const Settings& settings) {

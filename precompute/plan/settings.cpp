@@ -170,6 +170,7 @@ std::string canonicalJson(const Settings& settings) {
               {"directional", settings.directional},
               {"virtual_light", name(settings.virtual_light)},
               {"virtual_lights", settings.virtual_lights},
+              {"virtual_bounces", settings.virtual_bounces},
               {"points", settings.points},
               {"probe_spacing_m", spacing},
               {"probe_points_m", settings.probe_points_m},
@@ -230,6 +231,8 @@ Settings settingsFromJson(std::string_view text) {
       settings.virtual_light = required(kVirtualLightShapes, key, value);
     } else if (key == "virtual_lights") {
       settings.virtual_lights = requiredCount(key, value, kMostVirtualLights);
+    } else if (key == "virtual_bounces") {
+      settings.virtual_bounces = requiredCount(key, value, kMostVirtualBounces);
     } else if (key == "points") {
       settings.points = requiredCount(key, value, kMostPoints);
     } else if (key == "probe_spacing_m") {

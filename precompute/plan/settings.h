@@ -23,7 +23,8 @@ enum class VirtualLightShape { automatic, point, disk, sphere, polygon };
 
 inline constexpr int kMostLightmapSize = 8192;
 inline constexpr uint32_t kMostPrmEntries = 1u << 20, kMostPrmClusters = 1u << 16, kMostPrmPanes = 4096;
-inline constexpr uint32_t kMostVirtualLights = 1u << 17;
+inline constexpr uint32_t kMostVirtualLights = 1u << 20;
+inline constexpr uint32_t kMostVirtualBounces = 1u << 14;
 inline constexpr uint32_t kMostPoints = 1u << 22;
 inline constexpr float kLeastRadiosityDensity = 1.0f / 64;
 inline constexpr float kAutomaticProbeSpacing = -1, kMostProbeSpacing_m = 1e6f;
@@ -58,6 +59,7 @@ struct Settings {
   bool directional = false;           // the section lightmap also says how light changes with the normal
   VirtualLightShape virtual_light = VirtualLightShape::automatic;
   uint32_t virtual_lights = 0;        // aimed at, up to kMostVirtualLights; 0: the quality's
+  uint32_t virtual_bounces = 0;       // reflections that virtual lights hold at most, up to kMostVirtualBounces; 0: all
   uint32_t points = 0;                // on surfaces, for shadow maps of lights that move, up to kMostPoints; 0: no section points
   float probe_spacing_m = 0;          // of the lattice of probes for moving objects; kAutomaticProbeSpacing: by the scene's size; 0: no lattice
   std::vector<std::array<double, 3>> probe_points_m;  // more probes, in the glTF file's world; up to kMostProbePoints

@@ -147,6 +147,7 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   settings.directional = true;
   settings.virtual_light = VirtualLightShape::disk;
   settings.virtual_lights = 77;
+  settings.virtual_bounces = 3;
   settings.points = 4096;
   settings.environment_samples = 32;
   settings.sky_face_cells = 128;
@@ -156,7 +157,7 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   EXPECT_EQ(json,
             R"({"directional":true,"environment_ground":[1.0,2.0,0.25],"environment_intensity":0.5,"environment_rotation_deg":-90.0,"environment_samples":32,)"
             R"("light_units":"raw","lightmap_size":33,"points":4096,"portals":[],"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
-            R"("probe_points_m":[[1.5,-2.0,0.25]],"probe_spacing_m":"auto","quality":"draft","radiosity_density":0.5,"refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"],"virtual_light":"disk","virtual_lights":77})");
+            R"("probe_points_m":[[1.5,-2.0,0.25]],"probe_spacing_m":"auto","quality":"draft","radiosity_density":0.5,"refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"],"virtual_bounces":3,"virtual_light":"disk","virtual_lights":77})");
   EXPECT_EQ(settingsFromJson(json).environment, settings.environment);
   EXPECT_EQ(canonicalJson(settingsFromJson("{}")), canonicalJson(Settings{}));
 }

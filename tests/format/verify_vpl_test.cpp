@@ -14,7 +14,7 @@ const std::vector<Breach>& breaches() {
   using C = VplContent;
   static const std::vector<Breach> all = {
       {"NoSources", IssueId::header_value, "vpl/header", [](C& c) { c.header.clear_sources(); }},
-      {"SourcesOfAnotherScene", IssueId::cross_section, "vpl/header", [](C& c) { c.header.set_sources(c.header.sources() + 1); }},
+      {"SourcesOfAnotherScene", IssueId::cross_section, "vpl/header", [](C& c) { c.header.set_sources(c.header.sources() + 2); }},
       {"TypeUnknown", IssueId::value_range, "vpl/type", [](C& c) { c.type[0] = 5; }},
       {"SourceOutside", IssueId::index_range, "vpl/source", [](C& c) { c.source[3] = c.header.sources(); }},
       {"SourcesMixed", IssueId::order, "vpl/source", [](C& c) { c.bounce[1] = 3; }},

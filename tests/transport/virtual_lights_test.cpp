@@ -7,6 +7,7 @@
 #include "precompute/transport/many_lights/outline.h"
 #include "precompute/transport/many_lights/planes.h"
 #include "precompute/transport/many_lights/virtual_lights.h"
+#include "tests/environment/skies.h"
 #include "tests/support/prepared_scene.h"
 #include "tests/support/scenes.h"
 
@@ -14,7 +15,7 @@ namespace lightwell::transport {
 namespace {
 
 std::vector<VirtualPoint> trace(const test::PreparedScene& p, uint32_t paths = 20000) {
-  const LightPaths light(p.scene, p.atlas, *p.tracer, p.scene.lights, {.paths = paths});
+  const LightPaths light(p.scene, p.atlas, *p.tracer, p.scene.lights, nullptr, {.paths = paths});
   return light.trace(0, light.count(), nullptr);
 }
 
@@ -51,6 +52,29 @@ TEST(LightPaths, EmittersShineFromTheirFrontWithTheirPower) {
     ASSERT_EQ(v.source, 0u) << "there are no lamps, so that emitters are the first source";
     ASSERT_TRUE(v.bounce != 0 || v.normal.y < -0.99f);
   }
+}
+
+TEST(LightPaths, ASkyGivesAFloorItsIrradiance) {
+  const auto power = [](const std::function<Rgb(const Vec3&)>& radiance) {
+    test::SceneBuilder builder;
+    builder.quad({-1, 0, -1}, {0, 0, 3}, {2, 0, 0}, builder.material(test::diffuse(0.5f)));  // 6 m², faces up
+    scene::Scene scene = builder.take();
+    scene.lights.push_back(test::pointLight({0, -1, 0}, 1.0f));  // below: none of it is reflected
+    const test::PreparedScene p(std::move(scene), 32);
+    Diagnostics diagnostics;
+    EnvironmentMap map = makeSky(64, 32, radiance);
+    const SkyLight sky(makeSkyGrid(map, 2048, diagnostics, nullptr));
+    const LightPaths light(p.scene, p.atlas, *p.tracer, p.scene.lights, &sky, {.paths = 40000});
+    double sum = 0;
+    for (const VirtualPoint& v : light.trace(0, light.count(), nullptr)) {
+      EXPECT_EQ(v.source, 2u) << "lamps, emitters, then the sky";
+      EXPECT_EQ(v.bounce, 1u);
+      sum += double(v.power_rgb.x);
+    }
+    return sum / (0.5 * 6);
+  };
+  EXPECT_NEAR(power([](const Vec3&) { return Rgb(1); }) / double(kPi), 1, 0.01);
+  EXPECT_NEAR(power([](const Vec3& d) { return Rgb(std::max(d.y, 0.0f)); }) / (2 * double(kPi) / 3), 1, 0.01);
 }
 
 TEST(LightPaths, SpotsAndSunsHaveTheirPower) {
@@ -114,7 +138,7 @@ TEST(LightPaths, DoNotDependOnHowTheyAreCut) {
   scene::Scene scene = test::closedBox({1, 1, 1}, test::diffuse(0.6f, 0.2f));
   scene.lights.push_back(test::pointLight({0.2f, 0.3f, -0.4f}, 2.0f));
   const test::PreparedScene p(std::move(scene), 16);
-  const LightPaths light(p.scene, p.atlas, *p.tracer, p.scene.lights, {.paths = 3000});
+  const LightPaths light(p.scene, p.atlas, *p.tracer, p.scene.lights, nullptr, {.paths = 3000});
   const auto whole = light.trace(0, light.count(), nullptr);
   std::vector<VirtualPoint> parts;
   for (uint32_t first = 0; first < light.count(); first += 701) {

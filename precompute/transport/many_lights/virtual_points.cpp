@@ -78,8 +78,9 @@ struct LightPaths::Start {
 };
 
 LightPaths::LightPaths(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer,
-                       const std::vector<scene::Light>& lights, const LightPathOptions& options)
-    : scene_(scene), atlas_(atlas), tracer_(tracer), lights_(lights), seed_(options.seed) {
+                       const std::vector<scene::Light>& lights, const SkyLight* sky, const LightPathOptions& options)
+    : scene_(scene), atlas_(atlas), tracer_(tracer), lights_(lights), sky_(sky && !sky->isBlack() ? sky : nullptr), seed_(options.seed),
+      most_bounces_(options.bounces ? std::min(options.bounces, kMostBounces) : kMostBounces) {
   if (scene.bounds.isEmpty()) return;
   middle_ = scene.bounds.center();
   radius_ = 0.5f * scene.bounds.size().length() * 1.001f;
@@ -95,6 +96,11 @@ LightPaths::LightPaths(const scene::Scene& scene, const atlas::Atlas& atlas, con
   std::vector<double> power;
   for (const scene::Light& light : lights) total += power.emplace_back(double(luminance(lampPower(light, radius_))));
   power.push_back(emitted);
+  // What comes through a disk as large as the scene: directions are picked by luminance, so that any of them tells the integral.
+  if (sky_) {
+    const SkyLight::Sample any = sky_->sample(Vec2(0.5f));
+    total += power.emplace_back(double(luminance(any.radiance_rgb)) / double(any.pdf_solid_angle) * double(kPi) * double(radius_) * double(radius_));
+  }
   if (!(total > 0) || !std::isfinite(total)) return;
   const double reflections = 1 / std::max(1 - meanAlbedo(atlas), 1e-4);
   const double paths = std::max(std::min(double(options.paths), options.paths * kMostReflections / reflections), 64.0);
@@ -104,10 +110,19 @@ LightPaths::LightPaths(const scene::Scene& scene, const atlas::Atlas& atlas, con
     Source source{.index = i, .first_path = end};
     const uint32_t count = std::max(uint32_t(std::lround(paths * power[i] / total)), 16u);
     end = source.end_path = end + count;
-    if (i < lights.size()) source.power_rgb = lampPower(lights[i], radius_);
-    source.path_power_rgb = source.power_rgb / float(count);
+    if (i < lights.size()) source.path_power_rgb = lampPower(lights[i], radius_) / float(count);
     sources_.push_back(source);
   }
+}
+
+LightPaths::Start LightPaths::startOfSky(const Source& source, const Vec2& place, const Vec2& direction) const {
+  const SkyLight::Sample from = sky_->sample(direction);
+  const Vec3 on_disk = sampleCosineHemisphere(place);  // its x and y are even on the disk
+  Start start;
+  start.power_rgb = from.radiance_rgb * (kPi * radius_ * radius_ / from.pdf_solid_angle / float(source.end_path - source.first_path));
+  start.ray.direction = -from.direction;
+  start.ray.origin = middle_ + about(from.direction, Vec3(on_disk.x, on_disk.y, 0)) * radius_ + from.direction * radius_;
+  return start;
 }
 
 LightPaths::Start LightPaths::startOfLamp(const Source& source, const Vec2& place, const Vec2& direction) const {
@@ -158,11 +173,13 @@ void LightPaths::tracePath(const Source& source, uint32_t path, std::vector<Virt
   const Vec2 place = sampler.get2D(path, kStart), direction = sampler.get2D(path, kDirection);
   Start start =
       lamp ? startOfLamp(source, place, direction)
+      : source.index > lights_.size()
+           ? startOfSky(source, place, direction)
            : startOnEmitter(source, sampler.get1D(path, kPick), sampler.get1D(path, kSide), sampler.get1D(path, kPatch), place, direction);
   if (start.has_point) points.push_back(start.point);
   Rgb power_rgb = start.power_rgb;
   trace::Ray ray = start.ray;
-  for (uint32_t bounce = 1; bounce <= kMostBounces && maxComponent(power_rgb) > 0; ++bounce) {
+  for (uint32_t bounce = 1; bounce <= most_bounces_ && maxComponent(power_rgb) > 0; ++bounce) {
     ray.key = mixBits(combineKeys(combineKeys(seed_, kPathStream + source.index), (uint64_t(path) << 16) + bounce));
     trace::Hit hit;
     tracer_.closest(std::span(&ray, 1), std::span(&hit, 1));

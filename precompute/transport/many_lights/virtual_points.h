@@ -8,6 +8,7 @@
 #include "precompute/atlas/atlas.h"
 #include "precompute/core/diagnostics.h"
 #include "precompute/trace/tracer.h"
+#include "precompute/transport/environment/sky_light.h"
 
 namespace lightwell::transport {
 
@@ -15,20 +16,21 @@ struct VirtualPoint {
   Vec3 position;    // internal units
   Vec3 normal;      // unit, geometric, on the side that shines
   Rgb power_rgb;    // of all light that leaves, cosine-distributed: irradiance × internal units²
-  uint32_t source;  // index into the lights; their number stands for all emitters
+  uint32_t source;  // index into the lights; their number stands for all emitters, and one more for the sky
   uint32_t bounce;  // reflections so far; 0 only on emitters
 };
 
 struct LightPathOptions {
   uint32_t paths = 20000;  // from all sources, by their power; fewer where surfaces are so bright that paths hardly end
+  uint32_t bounces = 0;    // reflections at most; 0: until a path ends by itself
   uint64_t seed = 1;
 };
 
 class LightPaths {
  public:
-  /// Everything given must outlive this; `lights` in internal units.
+  /// Everything given must outlive this; `lights` in internal units, `sky` may be null.
   LightPaths(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const std::vector<scene::Light>& lights,
-             const LightPathOptions& options);
+             const SkyLight* sky, const LightPathOptions& options);
 
   uint32_t count() const { return sources_.empty() ? 0 : sources_.back().end_path; }
   /// The virtual points of paths [first, end), path by path. The power of source and bounce, summed over all paths, is an unbiased
@@ -38,10 +40,10 @@ class LightPaths {
  private:
   struct Source {
     uint32_t index = 0, first_path = 0, end_path = 0;
-    Rgb power_rgb{0.0f};  // of lamps
     Rgb path_power_rgb{0.0f};
   };
   struct Start;
+  Start startOfSky(const Source& source, const Vec2& place, const Vec2& direction) const;
   Start startOfLamp(const Source& source, const Vec2& place, const Vec2& direction) const;
   Start startOnEmitter(const Source& source, float pick, float side, float patch, const Vec2& place, const Vec2& direction) const;
   void tracePath(const Source& source, uint32_t path, std::vector<VirtualPoint>& points) const;
@@ -50,7 +52,9 @@ class LightPaths {
   const atlas::Atlas& atlas_;
   const trace::Tracer& tracer_;
   const std::vector<scene::Light>& lights_;
+  const SkyLight* sky_;
   uint64_t seed_;
+  uint32_t most_bounces_;
   Vec3 middle_{0.0f};
   float radius_ = 0;  // of a sphere around all surfaces, internal units
   std::vector<uint32_t> emitting_slot_;

@@ -45,7 +45,7 @@ PathVertex vertexAt(const scene::Mesh& mesh, const trace::Hit& hit) {
 }  // namespace
 
 void PathBatch::trace(const std::vector<PathStart>& starts, std::vector<Rgb>& irradiance_rgb, const Arrival* arrival) {
-  const auto& [scene, atlas, tracer, emitters, punctual, sky, component, cancel] = context_;
+  const auto& [scene, atlas, tracer, emitters, punctual, sky, component, cancel, most_bounces] = context_;
   irradiance_rgb.assign(starts.size(), Rgb(0.0f));
   const auto add = [&](uint32_t path_index, const trace::Ray& ray, const Rgb& arrived_rgb) {
     irradiance_rgb[path_index] += arrived_rgb;
@@ -181,7 +181,7 @@ bool PathBatch::scatter(Path& path, const PathStart& start) {
 
 /// The path's ray met a surface: adds what that emits, reflects there. False when the path ends.
 bool PathBatch::arrive(Path& path, const PathStart& start, const trace::Hit& hit, Rgb& irradiance_rgb) const {
-  const auto& [scene, atlas, tracer, emitters, punctual, sky, component, cancel] = context_;
+  const auto& [scene, atlas, tracer, emitters, punctual, sky, component, cancel, most_bounces] = context_;
   if (hit.triangle == kNone) return false;
   if (!hit.front && !scene.materials[scene.mesh.triangle_material[hit.triangle]].double_sided) return false;
   const scene::SurfaceColor color = scene::surfaceColor(scene, hit.triangle, hit.u, hit.v);
@@ -197,7 +197,7 @@ bool PathBatch::arrive(Path& path, const PathStart& start, const trace::Hit& hit
     const float weight = cosine_share > 0.0f ? cosine_share / (cosine_share + light_share) : 0.0f;
     irradiance_rgb += path.throughput_rgb * color.emitted_radiance_rgb * (kPi * weight);
   }
-  if (component == Component::direct) return false;
+  if (component == Component::direct || path.depth >= most_bounces) return false;
 
   path.throughput_rgb *= color.albedo_rgb;
   const float survival = std::min(1.0f, maxComponent(path.throughput_rgb));

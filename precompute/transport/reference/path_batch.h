@@ -23,6 +23,7 @@ struct PathContext {
   const SkyLight* sky;  // null: none
   Component component;
   const CancelFlag* cancel;
+  uint32_t most_bounces = kNone;  // reflections after which a path ends
 };
 
 /// A place where irradiance is received.

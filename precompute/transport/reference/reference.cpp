@@ -70,7 +70,7 @@ IrradianceMap referenceIrradianceOf(std::span<const uint32_t> slots, const scene
   const Emitters emitters(scene);
   const PunctualLights punctual(lights);
   const SkyLight* sky = options.sky && !options.sky->isBlack() ? options.sky : nullptr;
-  const PathContext context{scene, atlas, tracer, emitters, punctual, sky, component, options.cancel};
+  const PathContext context{scene, atlas, tracer, emitters, punctual, sky, component, options.cancel, options.most_bounces};
   const uint32_t groups = groupCount(options.samples);
   std::mutex progress_mutex;
   size_t finished_slots = 0;

@@ -17,6 +17,7 @@ struct ReferenceOptions {
   uint32_t samples = 256;  // per texel
   uint64_t seed = 1;
   int threads = 0;
+  uint32_t most_bounces = kNone;  // light that was reflected more often is left out
   const SkyLight* sky = nullptr;  // what rays that leave the scene meet; null: darkness
   const CancelFlag* cancel = nullptr;
   std::function<void(double fraction)> progress;  // may be empty; called from any thread

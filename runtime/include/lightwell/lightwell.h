@@ -543,7 +543,7 @@ typedef struct lw_virtual_lights lw_virtual_lights;
 
 typedef struct lw_virtual_lights_info {
   uint32_t lights;
-  uint32_t sources;        /* lamps of the scene, in its order, and all emitters together as the last */
+  uint32_t sources;        /* lamps of the scene, in its order; all emitters together; the sky, if it shone */
 } lw_virtual_lights_info;
 
 enum { LW_VIRTUAL_POINT = 1, LW_VIRTUAL_DISK = 2, LW_VIRTUAL_SPHERE = 3, LW_VIRTUAL_POLYGON = 4 };
