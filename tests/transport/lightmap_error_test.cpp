@@ -103,6 +103,42 @@ TEST(LightmapError, FallsWithTheWork) {
   EXPECT_LT(before, 0.03);
 }
 
+/// A floor of two charts side by side: where they meet, light differs by no more than between neighbours in one of them.
+TEST(LightmapSeams, AreNoLargerThanStepsWithinCharts) {
+  test::SceneBuilder builder;
+  const uint32_t wall = builder.material(test::diffuse(0.6f)), panel = builder.material(test::diffuse(0.5f, 5.0f));
+  builder.room({-2, 0, -2}, {2, 3, 2}, wall);
+  builder.quad({-2, 0.2f, -2}, {0, 0, 4}, {2, 0, 0}, wall).quad({0, 0.2f, -2}, {0, 0, 4}, {2, 0, 0}, wall);  // quads 6 and 7 hide the floor
+  builder.quad({-0.5f, 2.9f, -0.5f}, {1, 0, 0}, {0, 0, 1}, panel);
+  scene::Scene scene = builder.take();
+  scene.lights.push_back(test::pointLight({1.2f, 2.0f, 0.9f}, 4.0f));
+  const Prepared p(std::move(scene), 128);
+  const auto irradiance_rgb = total(bake(p, LightmapSettings{}));
+  const auto quadOf = [&](uint32_t slot) { return p.atlas.patches[p.atlas.slots[slot].first_patch].triangle / 2; };
+  // Steps between slots as far from each other as neighbours are, within and across.
+  const auto& slots = p.atlas.slots;
+  double within = 0, across = 0, largest_within = 0, largest_across = 0;
+  int count_within = 0, count_across = 0;
+  for (uint32_t a = 0; a < slots.size(); ++a) {
+    if (quadOf(a) != 6 || slots[a].position.x < -0.5f || std::abs(slots[a].position.z) > 1.8f) continue;
+    const float width = std::sqrt(slots[a].area);
+    for (uint32_t b = 0; b < slots.size(); ++b) {
+      const uint32_t quad = quadOf(b);
+      const Vec3 to = slots[b].position - slots[a].position;
+      if ((quad != 6 && quad != 7) || a == b || to.length() > 1.3f * width || !(to.x > 0.5f * width)) continue;
+      const double step = std::abs(luminance(irradiance_rgb[a]) - luminance(irradiance_rgb[b])) / luminance(irradiance_rgb[a]);
+      if (quad == 6) within += step, ++count_within, largest_within = std::max(largest_within, step);
+      else across += step, ++count_across, largest_across = std::max(largest_across, step);
+    }
+  }
+  ASSERT_GT(count_within, 50);
+  ASSERT_GT(count_across, 10);
+  within /= count_within, across /= count_across;
+  std::printf("mean step within charts %.2f %%, across a seam %.2f %%; largest %.2f %% and %.2f %%\n", 100 * within, 100 * across, 100 * largest_within, 100 * largest_across);
+  EXPECT_LT(across, 1.5 * within + 0.003);
+  EXPECT_LT(largest_across, 1.3 * largest_within);
+}
+
 /// Plates that reflect nothing hang in a room: their normals may be tilted without a change of the light around them.
 TEST(DirectionalLightmap, GivesTiltedNormalsTheirLight) {
   test::SceneBuilder builder;

@@ -6,7 +6,7 @@
 #include "precompute/transport/lightmap/irradiance_cache.h"
 #include "precompute/transport/lightmap/share.h"
 #include "precompute/transport/radiosity/patch_bytes.h"
-#include "precompute/transport/reference/reference.h"
+#include "precompute/transport/reference/path_batch.h"
 #include "precompute/transport/stage_bytes.h"
 
 namespace lightwell::transport {
@@ -114,7 +114,6 @@ struct LightmapBaker::Impl {
   const scene::Scene& scene;
   const atlas::Atlas& atlas;
   const trace::Tracer& tracer;
-  const std::vector<scene::Light>& lights;
   const SkyLight* sky;
   LightmapSettings settings;
   Sides sides;
@@ -180,7 +179,7 @@ Bytes makeLightmapPatchBytes(const scene::Scene& scene, const atlas::Atlas& atla
 
 LightmapBaker::LightmapBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const std::vector<scene::Light>& lights,
                              const SkyLight* sky, const LightmapSettings& settings, ByteView patches)
-    : impl_(new Impl{scene, atlas, tracer, lights, sky, settings, surfaceSides(atlas), Emitters(scene), PlainEmitters(scene), PunctualLights(lights)}) {
+    : impl_(new Impl{scene, atlas, tracer, sky, settings, surfaceSides(atlas), Emitters(scene), PlainEmitters(scene), PunctualLights(lights)}) {
   impl_->exposed_patches = readPatches(patches, impl_->sides.slot.size());
   colorPatches(atlas, impl_->sides, impl_->exposed(), impl_->exposed_patches.patches);
 }
@@ -288,11 +287,23 @@ Bytes LightmapBaker::references(uint32_t first, uint32_t end, ByteView refined, 
   const auto chosen = chooseTexels(impl_->readRefined(refined).rays, kMeasuredTexels, impl_->settings.seed);
   const auto count = uint32_t(chosen.slot.size());  // fewer than asked for when one was chosen twice
   const auto slots = std::span(chosen.slot).subspan(std::min(first, count), std::min(end, count) - std::min(first, count));
+  const PathContext context{impl_->scene, impl_->atlas, impl_->tracer, impl_->emitters, impl_->punctual, impl_->sky, Component::total, &cancel};
+  PathBatch batch(context);
   ByteWriter writer;
   for (uint64_t k = 0; k < kReferences; ++k) {
-    ReferenceOptions options{.samples = kReferenceSamples, .threads = 1, .sky = impl_->sky, .cancel = &cancel};
-    options.seed = combineKeys(combineKeys(impl_->settings.seed, kReferenceSeed), k);
-    writer.array(referenceIrradianceOf(slots, impl_->scene, impl_->atlas, impl_->tracer, impl_->lights, Component::total, options).irradiance_rgb);
+    const uint64_t seed = combineKeys(combineKeys(impl_->settings.seed, kReferenceSeed), k);
+    std::vector<Rgb> mean_rgb, path_rgb;
+    std::vector<PathStart> starts;
+    for (const uint32_t slot : slots) {
+      starts.clear();
+      const uint32_t texel = impl_->atlas.slots[slot].texel;
+      for (uint32_t i = 0; i < kReferenceSamples; ++i) starts.push_back({slot, i, Sampler(seed, texel), combineKeys(combineKeys(seed, texel), i)});
+      batch.trace(starts, path_rgb);
+      Vec3d sum(0.0);
+      for (const Rgb& value : path_rgb) sum += Vec3d(value);
+      mean_rgb.emplace_back(sum / double(kReferenceSamples));
+    }
+    writer.array(mean_rgb);
   }
   return writer.take();
 }
