@@ -13,6 +13,7 @@ constexpr uint64_t kPathStream = 12ull << 40;
 // Bounds the work when surfaces are nearly white: reflections of all paths together, for each path that was asked for, and of a single one.
 constexpr double kMostReflections = 32;
 constexpr uint32_t kMostBounces = 16384;
+constexpr uint32_t kPilotPaths = 128;  // of a source that may miss; at most so many paths for one that is reflected
 /// Light that meets a surface at a grazing angle to its triangle but not to its interpolated normal counts more there, up to this factor.
 constexpr float kMostNormalGain = 16;
 enum Dimension : uint32_t { kStart = 0, kDirection = 1, kPick = 2, kSide = 3, kPatch = 4, kFirstBounce = 8, kPerBounce = 2 };
@@ -92,14 +93,20 @@ LightPaths::LightPaths(const scene::Scene& scene, const atlas::Atlas& atlas, con
     emitting_slot_.push_back(slot);
     emitting_cdf_.push_back(emitted += flux);
   }
-  double total = emitted;
   std::vector<double> power;
-  for (const scene::Light& light : lights) total += power.emplace_back(double(luminance(lampPower(light, radius_))));
+  for (const scene::Light& light : lights) power.push_back(double(luminance(lampPower(light, radius_))));
   power.push_back(emitted);
   // What comes through a disk as large as the scene: directions are picked by luminance, so that any of them tells the integral.
   if (sky_) {
     const SkyLight::Sample any = sky_->sample(Vec2(0.5f));
-    total += power.emplace_back(double(luminance(any.radiance_rgb)) / double(any.pdf_solid_angle) * double(kPi) * double(radius_) * double(radius_));
+    power.push_back(double(luminance(any.radiance_rgb)) / double(any.pdf_solid_angle) * double(kPi) * double(radius_) * double(radius_));
+  }
+  // Much of what comes from far away may miss or meet backs: what counts is what is reflected, and more paths make up for those that are lost.
+  std::vector<double> share(power.size(), 1.0);
+  double total = 0;
+  for (uint32_t i = 0; i < power.size(); ++i) {
+    if (power[i] > 0 && (i > lights.size() || (i < lights.size() && lights[i].type == scene::LightType::directional))) share[i] = reflectedShare(i);
+    total += power[i] *= share[i];
   }
   if (!(total > 0) || !std::isfinite(total)) return;
   const double reflections = 1 / std::max(1 - meanAlbedo(atlas), 1e-4);
@@ -108,11 +115,23 @@ LightPaths::LightPaths(const scene::Scene& scene, const atlas::Atlas& atlas, con
   for (uint32_t i = 0; i < power.size(); ++i) {
     if (!(power[i] > 0)) continue;
     Source source{.index = i, .first_path = end};
-    const uint32_t count = std::max(uint32_t(std::lround(paths * power[i] / total)), 16u);
+    const uint32_t count = std::max(uint32_t(std::lround(paths * power[i] / total / share[i])), 16u);
     end = source.end_path = end + count;
     if (i < lights.size()) source.path_power_rgb = lampPower(lights[i], radius_) / float(count);
     sources_.push_back(source);
   }
+}
+
+double LightPaths::reflectedShare(uint32_t index) const {
+  const Source source{.index = index, .first_path = 0, .end_path = kPilotPaths, .path_power_rgb = Rgb(1.0f)};
+  uint32_t reflected = 0;
+  std::vector<VirtualPoint> points;
+  for (uint32_t path = 0; path < kPilotPaths; ++path) {
+    points.clear();
+    tracePath(source, path, points);
+    reflected += points.empty() ? 0 : 1;
+  }
+  return std::max(reflected, 1u) / double(kPilotPaths);
 }
 
 LightPaths::Start LightPaths::startOfSky(const Source& source, const Vec2& place, const Vec2& direction) const {

@@ -43,6 +43,7 @@ class LightPaths {
     Rgb path_power_rgb{0.0f};
   };
   struct Start;
+  double reflectedShare(uint32_t index) const;
   Start startOfSky(const Source& source, const Vec2& place, const Vec2& direction) const;
   Start startOfLamp(const Source& source, const Vec2& place, const Vec2& direction) const;
   Start startOnEmitter(const Source& source, float pick, float side, float patch, const Vec2& place, const Vec2& direction) const;
