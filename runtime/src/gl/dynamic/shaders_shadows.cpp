@@ -36,17 +36,20 @@ vec3 lwLampFrame(vec3 n, vec3 v) {
   float sign = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (sign + n.z), b = n.x * n.y * a;
   return vec3(dot(vec3(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), v), dot(vec3(b, sign + n.y * n.y * a, -n.y), v), dot(n, v));
 }
-float lwLampVisible(int light, vec3 normal, vec3 to_point, float distance_m, float receiving) {
+// Of a point at `offset` from a light. The point is moved along its own normal by as much as a texel and a splatted point are wide there, so that it is not hidden by its own surface.
+float lwLampVisible(int light, vec3 light_normal, vec3 offset, vec3 normal) {
   int side = int(lw_lamp_numbers[0].y), row = int(lw_lamp_numbers[0].z);
   if (side == 0) return 1.0;
-  vec3 local = lwLampFrame(normal, to_point);
+  float width = length(offset) * 2.5 / float(side) + lw_lamp_numbers[0].w;
+  offset += normal * width;
+  float distance_m = length(offset);
+  vec3 local = lwLampFrame(light_normal, offset / max(distance_m, 1e-30));
+  if (local.z <= 0.0) return 1.0;
   vec2 p = local.xy / max(abs(local.x) + abs(local.y) + local.z, 1e-30);
   vec2 at = (vec2(p.x + p.y, p.x - p.y) * 0.5 + 0.5) * float(side);
   ivec2 texel = ivec2(light % row, light / row) * side + clamp(ivec2(at), ivec2(0), ivec2(side - 1));
   float stored = texelFetch(lw_lamp_shadow, texel, 0).r;
-  // What half a texel (sqrt(2 pi) / side wide) and a point's size do to depth on a surface that is seen as slanted as the receiver.
-  float slope = min(sqrt(max(1.0 - receiving * receiving, 0.0)) / max(receiving, 1e-3), 2.0);
-  float bias = (distance_m * 2.0 / float(side) + lw_lamp_numbers[0].w) * (1.0 + slope);
+  float bias = 1.2 * width;
   return stored <= 0.0 ? 1.0 : clamp((stored + bias - distance_m) / (0.5 * bias) + 1.0, 0.0, 1.0);
 }
 vec3 lwLampIrradiance(vec3 position, vec3 normal, int first, int step) {
@@ -63,7 +66,7 @@ vec3 lwLampIrradiance(vec3 position, vec3 normal, int first, int step) {
     if (!(sending > 0.0 && receiving > 0.0)) continue;
     float form = sending * receiving / (square + flux.a * lw_lamp_numbers[1].x * 0.31830988618);
     if (lw_lamp_numbers[1].y > 0.0) form = min(form, lw_lamp_numbers[1].y);
-    sum += flux.rgb * (form * 0.31830988618 * lwLampVisible(i, light_normal, way, distance_m, receiving));
+    sum += flux.rgb * (form * 0.31830988618 * lwLampVisible(i, light_normal, offset, normal));
   }
   return min(sum * float(step), vec3(1e24));
 }
@@ -116,7 +119,7 @@ void main() {
   if (place.w < 0.5 || place.w > 1.5 || sending <= 0.02 || sending * distance_m <= 0.1 * radius) return;
   float seen = max(abs(dot(way, texelFetch(u_point, lwAddress(point * 2 + 1), 0).xyz)), 0.05);
   // A half sphere of 2 pi is u_atlas.x squared texels.
-  gl_PointSize = clamp(u_atlas.x * sqrt(u_points.z * seen * 0.15915494309) / distance_m, 1.0, 0.25 * u_atlas.x);
+  gl_PointSize = clamp(u_atlas.x * sqrt(u_points.z * seen * 0.15915494309) / distance_m, 1.0, u_atlas.x);
   vec2 at = vec2(v_corner) + lwHalfSphere(lwInFrame(normal, way)) * u_atlas.x;
   gl_Position = vec4(at / u_atlas.zw * 2.0 - 1.0, distance_m * u_points.w * 2.0 - 1.0, 1.0);
 }
@@ -202,10 +205,9 @@ void main() {
   int i = int(gl_FragCoord.x);
   vec4 place = texelFetch(lw_lamp_place, ivec2(i, 0), 0);
   vec3 normal = texelFetch(lw_lamp_place, ivec2(i, 1), 0).xyz, offset = u_point.xyz - place.xyz;
-  float distance_m = length(offset), receiving = -dot(offset, u_point_normal.xyz) / max(distance_m, 1e-30);
   o_visible = vec4(0.0);
-  if (place.w < 0.5 || place.w > 1.5 || !(dot(offset, normal) > 0.0) || !(receiving > 0.0)) return;
-  o_visible = vec4(lwLampVisible(i, normal, offset / distance_m, distance_m, receiving));
+  if (place.w < 0.5 || place.w > 1.5 || !(dot(offset, normal) > 0.0) || !(dot(offset, u_point_normal.xyz) < 0.0)) return;
+  o_visible = vec4(lwLampVisible(i, normal, offset, u_point_normal.xyz));
 }
 )";
 
