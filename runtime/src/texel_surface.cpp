@@ -144,18 +144,20 @@ class Finder {
     tangent = tangent * (1 / std::max(lengthOf(tangent), 1e-30f));
     const Float3 bitangent = cross(normal, tangent);
     const double t[3] = {double(tangent.x), double(tangent.y), double(tangent.z)}, b[3] = {double(bitangent.x), double(bitangent.y), double(bitangent.z)};
-    double tt = 0, tb = 0, bb = 0;
+    const double n[3] = {double(normal.x), double(normal.y), double(normal.z)};
+    double tt = 0, tb = 0, bb = 0, nn = 0;
     for (int k = 0; k < 3; ++k)
       for (int l = 0; l < 3; ++l) {
         const double square = sum.square_m2[k == l ? k : (k + 1) % 3 == l ? 3 + k : 3 + l] / sum.area_m2, covariance = square - sum.position_m[k] * sum.position_m[l] / (sum.area_m2 * sum.area_m2);
-        tt += t[k] * t[l] * covariance, tb += t[k] * b[l] * covariance, bb += b[k] * b[l] * covariance;
+        tt += t[k] * t[l] * covariance, tb += t[k] * b[l] * covariance, bb += b[k] * b[l] * covariance, nn += n[k] * n[l] * covariance;
       }
     const double scale = 1 / std::max(double(place[3]), 1e-30), first = std::sqrt(std::max(tt, 0.0)), along = first > 0 ? tb / first : 0, second = std::sqrt(std::max(bb - along * along, 0.0));
     for (int k = 0; k < 3; ++k) {
       axes[k] = format::packHalf(float(std::clamp((first * t[k] + along * b[k]) * scale, -1e3, 1e3)));
       axes[4 + k] = format::packHalf(float(std::clamp(second * b[k] * scale, -1e3, 1e3)));
     }
-    axes[3] = axes[7] = 0;
+    axes[3] = format::packHalf(float(std::clamp(std::sqrt(std::max(3 * nn, 0.0)) * scale, 0.0, 1e3)));
+    axes[7] = 0;
   }
 
   const lw_container& container_;

@@ -9,7 +9,8 @@ struct TexelSurface {
   Array<uint32_t> value_of_texel;  // [height * width]: which value a texel shows, or kNone
   Array<float> place;              // [values][4]: mean position in metres, half the side of a square of the surface's area
   Array<float> normal;             // [values][4]: octahedral mean of the shading normal, then of the surface's own normal
-  Array<uint16_t> axes;            // [values][2][4], halves: two vectors along the surface, xyz over place[3]: points of it have the covariance of a a' + b b'
+  Array<uint16_t> axes;            // [values][2][4], halves: two vectors along the surface, xyz over place[3]: points of it have the covariance of a a' + b b'.
+                                   // The first's w: how far the surface stands out of their plane, to both sides, where it is curved or folded
   uint32_t values() const { return uint32_t(place.size() / 4); }
 };
 

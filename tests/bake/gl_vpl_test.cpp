@@ -137,6 +137,33 @@ TEST_P(GlVplRooms, ALightCloseToAWallDoesNotShineThroughIt) {
   }
 }
 
+TEST_P(GlVplRooms, SurfacesWithAlphaHideAsMuchAsTheyAreThere) {
+  const auto lightBelow = [&](scene::AlphaMode mode, float alpha) {
+    test::SceneBuilder builder;
+    builder.room({-1, -1, -1}, {1, 1, 1}, builder.material(test::diffuse(0.5f)));
+    scene::Material sheet = test::diffuse(0.5f);
+    sheet.alpha_mode = mode, sheet.alpha = alpha, sheet.alpha_cutoff = 0.6f;
+    builder.quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, builder.material(sheet));
+    scene::Scene scene = builder.take();
+    scene.lights.push_back(test::pointLight({0, 0.5f, 0}, 1));
+    const LitRoom room(std::move(scene), 32, 1);
+    const std::vector<float> corners{-0.1f, 0.99f, -0.1f, 0.1f, 0.99f, -0.1f, 0.1f, 0.99f, 0.1f, -0.1f, 0.99f, 0.1f};
+    const lw_virtual_light light = polygonAt(corners, {0, -1, 0});
+    const GlVpl vpl = create(room, LW_GL_VPL_OPTIONS_INIT);
+    EXPECT_EQ(lw_gl_vpl_set_source_lights(vpl.get(), 0, &light, 1), LW_OK) << message;
+    finish(vpl.get());
+    const auto drawn = read(room, vpl.get());
+    double sum = 0;
+    for (size_t i = 0; i < drawn.size(); ++i)
+      if (room.p.atlas.slots[i].position.y * float(room.p.scene.metres_per_unit) < -0.5f) sum += drawn[i].x;
+    return sum;
+  };
+  const double open = lightBelow(scene::AlphaMode::mask, 0.5f);
+  EXPECT_GT(open, 1);
+  EXPECT_LT(lightBelow(scene::AlphaMode::mask, 0.7f), 1e-3 * open);
+  EXPECT_NEAR(lightBelow(scene::AlphaMode::blend, 0.3f) / open, 0.7, 0.02);
+}
+
 TEST_P(GlVplRooms, ShowGuttersAndBuriedTexelsWhatTheirSourceHas) {
   const LitRoom room(boxesInBox(), 32, 20);
   lw_gl_vpl_options options = LW_GL_VPL_OPTIONS_INIT;

@@ -28,7 +28,7 @@ struct LitRoom {
   std::vector<lw_virtual_light> lights;
 
   LitRoom(scene::Scene scene, int size, uint32_t count) : p(std::move(scene), size) {
-    const transport::LightPaths paths(p.scene, p.atlas, *p.tracer, p.scene.lights, {.paths = 20000});
+    const transport::LightPaths paths(p.scene, p.atlas, *p.tracer, p.scene.lights, nullptr, {.paths = 20000});
     const auto points = paths.trace(0, paths.count(), nullptr);
     const VplResult vpl{.points = points.size(), .lights = transport::clusterPoints(points, 2.0f, {.lights = count})};
     format::Writer writer;

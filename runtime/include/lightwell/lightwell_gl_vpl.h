@@ -79,7 +79,7 @@ LW_API lw_result lw_gl_vpl_set_source_scale(lw_gl_vpl *gl_vpl, uint32_t source, 
  * lights: [count], copied; `source` in them says nothing. count 0: the source is gone. */
 LW_API lw_result lw_gl_vpl_set_source_lights(lw_gl_vpl *gl_vpl, uint32_t source, const lw_virtual_light *lights, uint32_t count);
 
-/* All lights are drawn again, from darkness; what is shown stays until then. */
+/* All lights are drawn again, from darkness; what is shown fades into it. */
 LW_API lw_result lw_gl_vpl_redraw(lw_gl_vpl *gl_vpl);
 
 /* Reads the light map, [height][width][4]. For tools and tests: waits for the GPU. */

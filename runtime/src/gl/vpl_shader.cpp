@@ -212,7 +212,8 @@ void main() {
   int value = lwIndex();
   if (value >= u_values) return;
   vec4 place = texelFetch(u_place, lwAddress(value), 0), normals = texelFetch(u_normal, lwAddress(value), 0);
-  vec3 normal = lwNormal(normals.xy), a = place.w * texelFetch(u_axes, lwAddress(value * 2), 0).xyz, b = place.w * texelFetch(u_axes, lwAddress(value * 2 + 1), 0).xyz;
+  vec4 first = place.w * texelFetch(u_axes, lwAddress(value * 2), 0);
+  vec3 normal = lwNormal(normals.xy), surface = lwNormal(normals.zw), a = first.xyz, b = place.w * texelFetch(u_axes, lwAddress(value * 2 + 1), 0).xyz;
   float epsilon = place.w * u_light[5].w, share = 0.0;
   // Near the light its irradiance is not even over the texel: the mean of four points with its covariance.
   vec3 way = place.xyz - u_light[1].xyz;
@@ -223,7 +224,8 @@ void main() {
   } else {
     share = lwUnitIrradiance(place.xyz, normal, epsilon);
   }
-  if (share > 0.0) o_irradiance.rgb = clamp(u_light[5].rgb * (share * lwVisible(place.xyz, normal, lwNormal(normals.zw), a, b, place.w)), -1e30, 1e30);
+  // Rays start on top of what is curved or folded, whose middle lies inside of it.
+  if (share > 0.0) o_irradiance.rgb = clamp(u_light[5].rgb * (share * lwVisible(place.xyz + first.w * surface, normal, surface, a, b, place.w)), -1e30, 1e30);
 }
 )";
 
