@@ -1,4 +1,5 @@
 // Whatever state the game has set, the library's work is right and the state is the same afterwards.
+#include "lightwell/lightwell_gl_vpl.h"
 #include "tests/runtime/gl_fixture.h"
 #include "tests/runtime/probes_fixture.h"
 
@@ -199,6 +200,41 @@ TEST_P(GlState, IsRestoredByTheFunctionsOfProbes) {
   lw_gl_probes_destroy(gpu);
   same("lw_gl_probes_destroy");
   lw_gl_radiosity_destroy(radiosity);
+}
+
+TEST_P(GlState, IsRestoredByTheFunctionsOfVirtualLights) {
+  RoomOptions options;
+  options.walls = boxWalls({0, 0, 0}, {1, 1, 1}, 4, 0.5, 1);
+  const LoadedRoom room(options);
+  setOddState();
+  const std::string before = describeState(desktop());
+  const auto same = [&](const char* function) { ASSERT_EQ(describeState(desktop()), before) << function; };
+  lw_gl_vpl_options full = LW_GL_VPL_OPTIONS_INIT;
+  full.atlas_format = LW_GL_ATLAS_RGBA32F;
+  full.shadow_map_side = 32, full.layers = 1;
+  lw_gl_vpl* vpl = nullptr;
+  ASSERT_EQ(lw_gl_vpl_create(gl, room.container.get(), nullptr, &full, &vpl), LW_OK) << message;
+  same("lw_gl_vpl_create");
+  lw_virtual_light light{};
+  light.type = LW_VIRTUAL_POINT;
+  light.position_m[0] = light.position_m[1] = light.position_m[2] = 0.5f;
+  light.normal[1] = 1;
+  light.flux_rgb[0] = light.flux_rgb[1] = light.flux_rgb[2] = 3;
+  ASSERT_EQ(lw_gl_vpl_set_source_lights(vpl, 0, &light, 1), LW_OK) << message;
+  same("lw_gl_vpl_set_source_lights");
+  lw_gl_vpl_progress progress{};
+  ASSERT_EQ(lw_gl_vpl_step(vpl, 5, &progress), LW_OK) << message;
+  same("lw_gl_vpl_step");
+  EXPECT_EQ(progress.lights_drawn, 1u);
+  std::vector<float> atlas(size_t(room.info.width) * room.info.height * 4);
+  ASSERT_EQ(lw_gl_vpl_read(vpl, atlas.data()), LW_OK);
+  same("lw_gl_vpl_read");
+  double most = 0;
+  for (size_t i = 0; i < atlas.size(); i += 4) most = std::max(most, double(atlas[i]));
+  EXPECT_GT(most, 1) << "the ceiling right above the light";
+  ASSERT_EQ(lw_gl_vpl_redraw(vpl), LW_OK);
+  lw_gl_vpl_destroy(vpl);
+  same("lw_gl_vpl_destroy");
 }
 
 TEST_P(GlState, IsRestoredByTheFunctionsOfRadiosity) {
