@@ -79,7 +79,7 @@ TEST_F(CliVplTest, OpenGlDrawsTheSameLight) {
   const double indirect = evaluate("indirect");
   const Finished gl = run({"evaluate", path("v.lwc"), "--technique", "vpl", "--evaluator", "gl", "--component", "indirect", "-o", path("e.exr")});
   EXPECT_THAT(gl.out + gl.err, HasSubstr("ms each"));
-  EXPECT_NEAR(meanOf("e.exr") / indirect, 1, 0.02);
+  EXPECT_NEAR(meanOf("e.exr") / indirect, 1, 0.05) << "texels across an edge of the room have one normal on OpenGL";
 }
 
 TEST_F(CliVplTest, SaysWhatItCannotDo) {
