@@ -40,7 +40,7 @@ struct Options {
   std::optional<float> clamp;
   bool no_restore = false, every_texel = false;
   uint32_t shadow_map_size = 256;
-  float pieces = 4;
+  float pieces = 8;
   render::EnvironmentSettings environment;
   int threads = 0;
 };

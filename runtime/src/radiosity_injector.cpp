@@ -10,8 +10,6 @@
 namespace lightwell::runtime {
 namespace {
 
-double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 /// Where the light of a view's pixels goes.
 class Injection {
  public:

@@ -10,8 +10,6 @@ namespace {
 constexpr float kWidestSpot_rad = 1.0f;   // half angle beyond which six faces show more than one
 constexpr double kPi = 3.14159265358979323846;
 
-double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 /// Solid angle between the axis and the point (x, y) of the plane at 1: the corner term of a rectangle's.
 double cornerAngle(double x, double y) { return std::atan2(x * y, std::sqrt(1 + x * x + y * y)); }
 

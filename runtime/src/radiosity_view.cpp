@@ -6,8 +6,6 @@
 namespace lightwell::runtime {
 namespace {
 
-double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 /// A triangle's edges as functions of the pixel: edge[k] is opposite to corner k.
 struct Edges {
   double corner[3][3];  // x, y, depth

@@ -40,6 +40,8 @@ struct Surfaces {
   bool isOpen(const Leaf& l, const uint32_t* corners, const double* barycentrics) const;
 };
 
+inline double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 /// A picture of n × n pixels. Pixel (i, j) has x = (2i + 1) / n − 1 and y alike. Perspective: it looks from `eye_m` along forward + x · right + y · up. Orthographic:
 /// along forward from eye + x · right + y · up.
 struct View {

@@ -38,7 +38,7 @@ typedef struct lw_gl_vpl_options {
   float pieces;              /* 1 to 16: polygons with most light and largest size are cut in two until there are so many pieces for each light on average: each has a shadow map of its own */
   float epsilon;             /* 0 to 2, in sides of a texel: as epsilon_m of lw_virtual_light_irradiance. Texels are evaluated where their own surface is, so that 0 is best for meshes that fit */
 } lw_gl_vpl_options;
-#define LW_GL_VPL_OPTIONS_INIT {sizeof(lw_gl_vpl_options), LW_GL_ATLAS_RGBA16F, 0, 1, LW_GL_VPL_DIRECT | LW_GL_VPL_INDIRECT, 16, 256, 8, 0, 4.0f, 0.0f}
+#define LW_GL_VPL_OPTIONS_INIT {sizeof(lw_gl_vpl_options), LW_GL_ATLAS_RGBA16F, 0, 1, LW_GL_VPL_DIRECT | LW_GL_VPL_INDIRECT, 16, 256, 8, 0, 8.0f, 0.0f}
 
 /* Decodes the geometry, finds the surface in each texel, uploads both, compiles the shaders. Nothing of container and lights is used afterwards. The texture is dark.
  * Fails with LW_GL_UNSUPPORTED (on ES EXT_float_blend is needed), LW_LIMIT_EXCEEDED (more than 2^22 texels with a value; texture sizes), LW_OUT_OF_MEMORY, LW_GL_FAILED,

@@ -110,7 +110,7 @@ lw_result lw_gl::compilePrograms() {
   if (!result)
     result = compileProgram(*this, "view of a light", {kAddress, kAlphaTest, kInjectSee},
                      {"u_corner", "u_triangle", "u_texel_patches", "u_patch", "u_alpha_material", "u_alpha", "u_leaf"},
-                     {"u_eye", "u_right", "u_up", "u_forward", "u_range"}, inject_see, {kAddress, kInjectSeeVertex});
+                     {"u_eye", "u_right", "u_up", "u_forward", "u_range"}, inject_see, {kAddress, kLampViewVertex});
   if (!result)
     result = compileProgram(*this, "light injection", {kInjectAdd}, {"u_seen", "u_patch"}, {"u_side", "u_light", "u_cone", "u_spot"}, inject_add,
                      {kAddress, kInjectAddVertex});

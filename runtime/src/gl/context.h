@@ -75,7 +75,7 @@ namespace probes_uniform {
 enum { probes, groups };
 }
 namespace inject_see_uniform {
-enum { eye, right, up, forward, range };
+enum { eye, right, up, forward, range };  // the first four as setView has them
 }
 namespace inject_add_uniform {
 enum { side, light, cone, spot };

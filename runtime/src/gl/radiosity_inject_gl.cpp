@@ -4,13 +4,12 @@
 #include <cmath>
 #include <cstring>
 
+#include "runtime/src/gl/lamp_view.h"
 #include "runtime/src/gl/radiosity_gl.h"
 #include "runtime/src/radiosity_injector.h"
 
 namespace lightwell::runtime::gl {
 namespace {
-
-double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Half of the diagonal of the bounds.
 double extentOf(const lw_gl_radiosity_injector& injector) {
@@ -26,21 +25,10 @@ void see(const lw_gl_radiosity_injector& injector, const PackedLight& light, con
   constexpr double kNearest = 1e-5;  // of the scene: nothing closer to the lamp is seen
   constexpr uint32_t kNothing[4] = {0xffffffffu, 0, 0, 0};
   constexpr float kFarthest = 0;
-  float eye[4], right[4] = {}, up[4] = {}, forward[4];
-  for (int k = 0; k < 3; ++k) {
-    eye[k] = float(view.eye_m[k]);
-    right[k] = float(view.right[k] / dot(view.right, view.right));
-    up[k] = float(view.up[k] / dot(view.up, view.up));
-    forward[k] = float(view.forward[k]);
-  }
-  eye[3] = view.perspective ? float(kNearest * extentOf(injector)) : 0;
-  forward[3] = float(0.99 / extentOf(injector));
   const Program& program = context.inject_see;
   api.UseProgram(program.name);
-  api.Uniform4fv(program.uniform[inject_see_uniform::eye], 1, eye);
-  api.Uniform4fv(program.uniform[inject_see_uniform::right], 1, right);
-  api.Uniform4fv(program.uniform[inject_see_uniform::up], 1, up);
-  api.Uniform4fv(program.uniform[inject_see_uniform::forward], 1, forward);
+  const double extent_m = extentOf(injector);
+  setView(api, program.uniform, view, kNearest * extent_m, extent_m);
   api.Uniform1f(program.uniform[inject_see_uniform::range], light.range_m);
   bind(api, 0, kTexture2dArray, injector.corners);
   bind(api, 1, kTexture2dArray, injector.triangle);

@@ -3,12 +3,12 @@
 namespace lightwell::runtime::gl::glsl {
 
 // A lamp's view. Vectors are the view's, right and up over their squared lengths; a near plane only to divide by something: depths are compared as nearness.
-const char kInjectSeeVertex[] = R"(
+const char kLampViewVertex[] = R"(
 uniform sampler2DArray u_corner;      // two for each: position, light-map u; light-map v, texture coordinates of alpha
 uniform vec4 u_eye, u_right, u_up;    // u_eye.w: the near plane; 0: orthographic
 uniform vec4 u_forward;               // w: orthographic: one over half of the depth
 flat out int v_triangle;
-flat out vec4 v_normal;               // on the side that is seen; w: 1: front
+flat out vec4 v_normal;               // on the side that is seen, twice the area long; w: 1: front
 out vec3 v_offset;
 out vec4 v_uv;
 out float v_nearness;

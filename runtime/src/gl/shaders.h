@@ -18,6 +18,6 @@ extern const char kRadiosityPatches[], kRadiosityNodes[], kRadiosityGather[], kR
 extern const char kVplDepth[], kVplIrradiance[], kVplLight[], kVplShow[];
 extern const char kHash[], kVplAlphaOn[];
 // Vertex shaders.
-extern const char kInjectSeeVertex[], kInjectAddVertex[], kVplDepthVertex[];
+extern const char kLampViewVertex[], kInjectAddVertex[], kVplDepthVertex[];
 
 }  // namespace lightwell::runtime::gl::glsl

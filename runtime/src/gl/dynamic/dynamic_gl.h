@@ -75,7 +75,7 @@ struct LampUniforms {
 };
 
 namespace see_uniform {
-enum { eye, right, up, forward, lamp };
+enum { eye, right, up, forward, lamp };  // the first four as setView has them
 }
 namespace flux_sum_uniform {
 enum { lamp };

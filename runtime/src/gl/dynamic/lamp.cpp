@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "runtime/src/gl/dynamic/dynamic_gl.h"
+#include "runtime/src/gl/lamp_view.h"
 
 namespace lightwell::runtime::gl {
 namespace {
@@ -13,7 +14,6 @@ constexpr uint32_t kCellsEach = 24;      // of the flux, at least, for each ligh
 constexpr Enum kNearestMipmapNearest = 0x2700, kStreamRead = 0x88E1;
 constexpr uint32_t kMapRead = 1;
 
-double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 bool isPowerOfTwo(uint32_t v) { return v != 0 && (v & (v - 1)) == 0; }
 int32_t levelsOf(int32_t size) {
   int32_t levels = 1;
@@ -130,20 +130,7 @@ void see(lw_gl_lamp& lamp, const LampUniforms& uniforms, const LampViews& views)
   bindTexture(api, 3, kTexture2dArray, scene.alpha_material);
   bindTexture(api, 4, kTexture2dArray, scene.alpha);
   for (int v = 0; v < views.count; ++v) {
-    const View& view = views.view[v];
-    float eye[4], right[4] = {}, up[4] = {}, forward[4];
-    for (int k = 0; k < 3; ++k) {
-      eye[k] = float(view.eye_m[k]);
-      right[k] = float(view.right[k] / dot(view.right, view.right));
-      up[k] = float(view.up[k] / dot(view.up, view.up));
-      forward[k] = float(view.forward[k]);
-    }
-    eye[3] = view.perspective ? float(kNearestSeen * extent) : 0;
-    forward[3] = float(0.99 / extent);
-    api.Uniform4fv(scene.see.uniform[see_uniform::eye], 1, eye);
-    api.Uniform4fv(scene.see.uniform[see_uniform::right], 1, right);
-    api.Uniform4fv(scene.see.uniform[see_uniform::up], 1, up);
-    api.Uniform4fv(scene.see.uniform[see_uniform::forward], 1, forward);
+    setView(api, scene.see.uniform, views.view[v], kNearestSeen * extent, extent);
     api.Viewport(v % 4 * side, v / 4 * side, side, side);
     api.DrawArrays(kTriangles, 0, int32_t(scene.triangles * 3));
     ++lamp.draws;
@@ -457,12 +444,12 @@ lw_result lw_gl_lamp_get_views(const lw_gl_lamp* lamp, const lw_light* given, lw
     float* m = out->view[v].clip_from_container;
     double row[4][4] = {};
     for (int k = 0; k < 3; ++k) {
-      row[0][k] = view.right[k] / gl::dot(view.right, view.right);
-      row[1][k] = view.up[k] / gl::dot(view.up, view.up);
+      row[0][k] = view.right[k] / dot(view.right, view.right);
+      row[1][k] = view.up[k] / dot(view.up, view.up);
       row[2][k] = view.perspective ? view.forward[k] : view.forward[k] * 0.99 / extent;
       row[3][k] = view.perspective ? view.forward[k] : 0;
     }
-    for (auto& r : row) r[3] = -gl::dot(r, view.eye_m);
+    for (auto& r : row) r[3] = -dot(r, view.eye_m);
     if (view.perspective) row[2][3] -= 2 * gl::kNearestSeen * extent;
     else row[3][3] = 1;
     for (int r = 0; r < 4; ++r)

@@ -8,7 +8,7 @@ lw_result compileDynamicPrograms(lw_gl_dynamic& s) {
   using namespace glsl;
   const lw_gl& gl = s.gl;
   lw_result result = compileProgram(gl, "lamp's view", {kAddress, kAlphaTest, kLampSee}, {"u_corner", "u_triangle", "u_albedo", "u_alpha_material", "u_alpha"},
-                                    {"u_eye", "u_right", "u_up", "u_forward", "u_lamp"}, s.see, {kAddress, kLampSeeVertex});
+                                    {"u_eye", "u_right", "u_up", "u_forward", "u_lamp"}, s.see, {kAddress, kLampViewVertex});
   if (!result) result = compileProgram(gl, "flux", {kLampViews, kFluxSum}, {"u_position", "u_normal", "u_flux"}, {"u_lamp"}, s.flux_sum);
   if (!result) result = compileProgram(gl, "flux level", {kFluxReduce}, {"u_sum"}, {}, s.flux_reduce);
   if (!result) result = compileProgram(gl, "light sampling", {kSampleLights}, {"u_position", "u_normal", "u_sum"}, {"u_levels", "u_lights", "u_row"}, s.sample);

@@ -8,7 +8,7 @@ extern const char kLampLookup[];       // lwLampIrradiance: public
 extern const char kOctahedron[];       // lwUnfold, and the frame and the map of a half sphere
 extern const char kLampViews[];        // lwLampAim, lwLampPixel: from points to directions to pixels of the views
 // Programs, each a fragment shader and, where it has its own, a vertex shader.
-extern const char kLampSeeVertex[], kLampSee[];
+extern const char kLampSee[];
 extern const char kFluxSum[], kFluxReduce[];
 extern const char kSampleLights[];
 extern const char kCheckLights[];

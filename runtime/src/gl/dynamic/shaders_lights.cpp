@@ -60,31 +60,6 @@ float lwLampPixelSize(vec2 pixel) {
 }
 )";
 
-const char kLampSeeVertex[] = R"(
-uniform sampler2DArray u_corner;      // two for each: position, light-map u; light-map v, texture coordinates of alpha
-uniform vec4 u_eye, u_right, u_up;    // u_eye.w: the near plane; 0: orthographic
-uniform vec4 u_forward;               // w: orthographic: one over half of the depth
-flat out int v_triangle;
-flat out vec4 v_normal;               // on the side that is seen, twice the area long; w: 1: front
-out vec3 v_offset;
-out vec4 v_uv;
-out float v_nearness;
-vec3 lwCorner(int corner) { return texelFetch(u_corner, lwAddress(corner * 2), 0).xyz - u_eye.xyz; }
-void main() {
-  v_triangle = gl_VertexID / 3;
-  vec3 a = lwCorner(v_triangle * 3);
-  vec3 normal = cross(lwCorner(v_triangle * 3 + 1) - a, lwCorner(v_triangle * 3 + 2) - a);
-  bool front = dot(normal, u_eye.w > 0.0 ? -a : -u_forward.xyz) >= 0.0;
-  v_normal = front ? vec4(normal, 1.0) : vec4(-normal, 0.0);
-  v_offset = lwCorner(gl_VertexID);
-  v_uv = vec4(texelFetch(u_corner, lwAddress(gl_VertexID * 2), 0).w, texelFetch(u_corner, lwAddress(gl_VertexID * 2 + 1), 0).xyz);
-  vec2 at = vec2(dot(v_offset, u_right.xyz), dot(v_offset, u_up.xyz));
-  float depth = dot(v_offset, u_forward.xyz);
-  v_nearness = 0.5 - 0.5 * depth * u_forward.w;
-  gl_Position = u_eye.w > 0.0 ? vec4(at, depth - 2.0 * u_eye.w, depth) : vec4(at, depth * u_forward.w, 1.0);
-}
-)";
-
 const char kLampSee[] = R"(
 uniform usampler2DArray u_triangle;   // double-sided; alpha material or 0xffffffff
 uniform sampler2D u_albedo;
