@@ -196,8 +196,16 @@ bool isThereForPortals(const json& d) {
 }
 
 /// " (LOW to HIGH)", or nothing.
+/// A share of one as people read it.
+std::string percentText(const json& share) {
+  if (!share.is_number()) return "undefined";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g %%", 100 * share.get<double>());
+  return text;
+}
+
 std::string intervalText(const json& error, const char* key) {
-  return error.contains(key) ? " (" + error[key][0].dump() + " to " + error[key][1].dump() + ")" : "";
+  return error.contains(key) ? " (" + percentText(error[key][0]) + " to " + percentText(error[key][1]) + ")" : "";
 }
 
 void printForPeople(const json& d) {
@@ -229,8 +237,8 @@ void printForPeople(const json& d) {
           padded(c["codec"].get<std::string>(), 18) + formatBytes(c["stored_bytes"].get<double>()));
   }
   for (const auto& e : d["errors"])
-    out("measured error of " + e["section"].get<std::string>() + ": relrmse " + e["relrmse"].dump() + intervalText(e, "relrmse_interval") + ", texrel " +
-        e["texrel"].dump() + intervalText(e, "texrel_interval") + ", bias " + e["bias"].dump() + " against " + e["against"].get<std::string>());
+    out("measured error of " + e["section"].get<std::string>() + ": relrmse " + percentText(e["relrmse"]) + intervalText(e, "relrmse_interval") + ", texrel " +
+        percentText(e["texrel"]) + intervalText(e, "texrel_interval") + ", bias " + percentText(e["bias"]) + " against " + e["against"].get<std::string>());
   if (isThereForPortals(d)) out("with radiosity: the scene has portals, which the other sections have as they are in the file");
   for (const auto& o : d["omitted"]) out("without " + o["type"].get<std::string>() + ": " + o["reason"].get<std::string>());
 }
