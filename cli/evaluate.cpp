@@ -150,7 +150,8 @@ std::vector<Rgb> lightOfVirtualLights(Session& session, const Options& options, 
 }
 
 /// What lightwell_dynamic adds: one reflection of lamps that nothing was baked for.
-std::vector<Rgb> lightOfDynamicLamps(const Options& options, const RuntimeContainer& runtime, const bake::ContainerScene& container) {
+std::vector<Rgb> lightOfDynamicLamps(const Options& options, Component component, const RuntimeContainer& runtime, const bake::ContainerScene& container) {
+  if (component == Component::direct) return std::vector<Rgb>(container.atlas.slots.size(), Rgb(0.0f));  // path-traced, as everywhere
   return valuesOfSlots(container.atlas, evaluateDynamicOnGl({.container = runtime, .scene = container.scene, .incremental = options.dynamic == "iir",
                                                              .lights = options.dynamic_lights, .shadow_side = options.dynamic_shadows}));
 }
@@ -224,8 +225,7 @@ void run(Session& session, const Options& options) {
   if ((by_cells || (by_virtual_lights && reader.has("environment"))) && component != Component::indirect) add(lightOfSky(session, options, runtime, container, tracer));
   const uint32_t sky = by_cells ? LW_SKY_INDIRECT : LW_SKY_INDIRECT | LW_SKY_DIRECT;
   if (baked) add(lightOfLightmap(options, component, runtime, container));
-  else if (options.dynamic && component != Component::direct) add(lightOfDynamicLamps(options, runtime, container));
-  else if (options.dynamic) {}
+  else if (options.dynamic) add(lightOfDynamicLamps(options, component, runtime, container));
   else if (by_virtual_lights && options.evaluator == "gl") add(lightOfVirtualLightsOnGl(session, options, component, runtime, container));
   else if (by_virtual_lights) add(lightOfVirtualLights(session, options, component, runtime, container, tracer));
   else if (by_patches) add(lightOfRadiosity(session, options, component, runtime, container, portal_open, tracer));

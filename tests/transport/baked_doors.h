@@ -11,6 +11,7 @@
 #include "precompute/transport/reference/reference.h"
 #include "tests/support/door_scenes.h"
 #include "tests/support/prepared_scene.h"
+#include "tests/support/stages.h"
 
 namespace lightwell::transport {
 
@@ -28,14 +29,8 @@ struct Baked {
     settings.training_lights = 32;
     const Bytes patches = makePatchBytes(p.scene, p.atlas, *p.tracer, settings, threads, nullptr);
     baker = std::make_unique<RadiosityBaker>(p.scene, p.atlas, *p.tracer, settings, patches);
-    const auto stage = [&](uint32_t count, auto function) {
-      std::vector<Bytes> parts((count + grain - 1) / grain);
-      parallelFor(parts.size(), 1, threads, nullptr, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) parts[i] = function(uint32_t(i * grain), std::min(count, uint32_t((i + 1) * grain)));
-      });
-      return parts;
-    };
-    const auto views = [](const std::vector<Bytes>& parts) { return std::vector<ByteView>(parts.begin(), parts.end()); };
+    const auto stage = [&](uint32_t count, auto function) { return test::inRanges(count, grain, threads, function); };
+    using test::views;
     const auto hits = stage(baker->patchCount(), [&](uint32_t a, uint32_t b) { return baker->hits(a, b); });
     const auto direct = stage(baker->trainingLightCount(), [&](uint32_t a, uint32_t b) { return baker->direct(a, b); });
     const Bytes bytes = baker->train(views(hits), views(direct));

@@ -6,6 +6,7 @@
 #include "precompute/transport/lightmap/bake_lightmap.h"
 #include "tests/support/prepared_scene.h"
 #include "tests/support/scenes.h"
+#include "tests/support/stages.h"
 
 namespace lightwell::transport {
 
@@ -16,14 +17,8 @@ inline Lightmap bake(const Prepared& p, const LightmapSettings& settings, uint32
   const CancelFlag cancel;
   const Bytes patches = makeLightmapPatchBytes(p.scene, p.atlas, *p.tracer, settings, threads, nullptr);
   const LightmapBaker baker(p.scene, p.atlas, *p.tracer, p.scene.lights, nullptr, settings, patches);
-  const auto stage = [&](uint32_t count, auto function) {
-    std::vector<Bytes> parts((count + grain - 1) / grain);
-    parallelFor(parts.size(), 1, threads, nullptr, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) parts[i] = function(uint32_t(i * grain), std::min(count, uint32_t((i + 1) * grain)));
-    });
-    return parts;
-  };
-  const auto views = [](const std::vector<Bytes>& parts) { return std::vector<ByteView>(parts.begin(), parts.end()); };
+  const auto stage = [&](uint32_t count, auto function) { return test::inRanges(count, grain, threads, function); };
+  using test::views;
   const auto first = stage(baker.sideCount(), [&](uint32_t a, uint32_t b) { return baker.firstLight(a, b, cancel); });
   const auto direct = stage(baker.sideCount(), [&](uint32_t a, uint32_t b) { return baker.directLight(a, b, views(first), cancel); });
   const auto rows = stage(baker.patchCount(), [&](uint32_t a, uint32_t b) { return baker.rows(a, b); });

@@ -12,6 +12,7 @@
 #include "precompute/transport/reference/reference.h"
 #include "tests/support/prepared_scene.h"
 #include "tests/support/scenes.h"
+#include "tests/support/stages.h"
 
 namespace lightwell::transport {
 namespace {
@@ -32,14 +33,8 @@ PrmSettings smallSettings(PrmLayoutKind layout) {
 
 /// Runs all stages, cut into ranges of `grain`, on `threads` threads.
 PrmResult bake(const PrmBaker& baker, uint32_t grain, int threads) {
-  const auto stage = [&](uint32_t count, auto function) {
-    std::vector<Bytes> parts((count + grain - 1) / grain);
-    parallelFor(parts.size(), 1, threads, nullptr, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) parts[i] = function(uint32_t(i * grain), std::min(count, uint32_t((i + 1) * grain)));
-    });
-    return parts;
-  };
-  const auto views = [](const std::vector<Bytes>& parts) { return std::vector<ByteView>(parts.begin(), parts.end()); };
+  const auto stage = [&](uint32_t count, auto function) { return test::inRanges(count, grain, threads, function); };
+  using test::views;
   const auto one_bounce = stage(baker.groupCount(), [&](uint32_t a, uint32_t b) { return baker.oneBounce(a, b); });
   const auto training = stage(baker.trainingLightCount(), [&](uint32_t a, uint32_t b) { return baker.trainingDirect(a, b); });
   const auto emitter = stage(baker.hasEmitters() ? baker.sideCount() : 0, [&](uint32_t a, uint32_t b) { return baker.emitterDirect(a, b); });

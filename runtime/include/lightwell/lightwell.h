@@ -537,7 +537,7 @@ LW_API lw_result lw_lightmap_irradiance(const lw_lightmap *lightmap, const lw_li
 
 /* ---- Virtual lights --------------------------------------------------------------------------------------------------------------- */
 
-/* Light of lamps and emitters that do not move, reflected or straight from emitters, as a few hundred Lambertian lights: a light map is their sum over points of
+/* Light of lamps, emitters and a sky that do not move, reflected or straight from emitters, as a few hundred Lambertian lights: a light map is their sum over points of
  * surfaces, each shadowed. Those of one source follow each other, so that one lamp can be left out or recoloured alone. Immutable, usable from any thread. */
 typedef struct lw_virtual_lights lw_virtual_lights;
 
@@ -566,17 +566,20 @@ typedef struct lw_virtual_light {
  * lights: receives a handle, to be released with lw_virtual_lights_release. */
 LW_API lw_result lw_virtual_lights_load(const lw_container *container, lw_virtual_lights **lights);
 LW_API void lw_virtual_lights_release(lw_virtual_lights *lights);
+/* Both fail with LW_INVALID_ARGUMENT for NULL. index: < info.lights, else LW_INVALID_ARGUMENT. */
 LW_API lw_result lw_virtual_lights_get_info(const lw_virtual_lights *lights, lw_virtual_lights_info *info);
 LW_API lw_result lw_virtual_lights_get(const lw_virtual_lights *lights, uint32_t index, lw_virtual_light *light);
 
 /* Irradiance that a light gives to a point, unoccluded: for polygons exact (Lambert's formula over what is above the point's horizon), for disks and spheres the usual
- * approximations. Finite and not negative for all finite arguments.
+ * approximations (Wallace et al., "A Ray Tracing Algorithm for Progressive Radiosity", 1989; Hasan et al., "Virtual Spherical Lights for Many-Light Rendering of Glossy Scenes", 2009).
+ * Finite and not negative for all finite arguments. LW_INVALID_ARGUMENT for NULL, a negative epsilon, or a light whose type and numbers do not fit each other.
  *
  * position_m, normal: of the receiving point; the normal is a unit vector.
  * epsilon_m: half the size of a texel, or 0: points nearer than that to the light's plane are moved off it along their own surface, against dark edges in corners;
- *     points and disks are never nearer than that. */
+ *     points and disks are never nearer than that (Luksch et al., "Fast Light-Map Computation with Virtual Polygon Lights", 2013, section 6.1).
+ * irradiance_rgb: lux. */
 LW_API lw_result lw_virtual_light_irradiance(const lw_virtual_light *light, const float position_m[3], const float normal[3], float epsilon_m, float irradiance_rgb[3]);
-/* A point on the light, even over its area for even uv in [0, 1)^2: where shadow rays go. */
+/* A point on the light, even over its area for even uv in [0, 1)^2: where shadow rays go. Of a sphere, on its disk across `normal`. LW_INVALID_ARGUMENT for NULL, or a polygon without vertices. */
 LW_API lw_result lw_virtual_light_point(const lw_virtual_light *light, const float uv[2], float position_m[3]);
 
 /* ---- Surface points --------------------------------------------------------------------------------------------------------------- */
@@ -598,6 +601,7 @@ typedef struct lw_points_info {
  * points: receives a handle, to be released with lw_points_release. */
 LW_API lw_result lw_points_load(const lw_container *container, lw_points **points);
 LW_API void lw_points_release(lw_points *points);
+/* LW_INVALID_ARGUMENT for NULL. */
 LW_API lw_result lw_points_get_info(const lw_points *points, lw_points_info *info);
 
 /* ---- Probes ----------------------------------------------------------------------------------------------------------------------- */

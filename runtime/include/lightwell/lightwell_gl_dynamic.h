@@ -68,6 +68,7 @@ typedef struct lw_gl_lamp_options {
  * options: NULL for LW_GL_LAMP_OPTIONS_INIT; without section points shadow_side is then 0. */
 LW_API lw_result lw_gl_lamp_create(lw_gl_dynamic *scene, const lw_gl_lamp_options *options, lw_gl_lamp **lamp);
 LW_API void lw_gl_lamp_destroy(lw_gl_lamp *lamp);
+/* Bytes of texture memory that were asked for; 0 for NULL. */
 LW_API uint64_t lw_gl_lamp_texture_bytes(const lw_gl_lamp *lamp);
 
 /* What an update did. */
@@ -100,8 +101,9 @@ typedef struct lw_gl_lamp_views {
   uint32_t width, height;         /* of the textures */
   lw_gl_lamp_view view[6];
 } lw_gl_lamp_views;
+/* LW_INVALID_ARGUMENT for NULL, or when the light's values are out of range. */
 LW_API lw_result lw_gl_lamp_get_views(const lw_gl_lamp *lamp, const lw_light *light, lw_gl_lamp_views *views);
-/* lw_gl_lamp_update from textures of the game's. */
+/* lw_gl_lamp_update from textures of the game's. Fails as that does, and with LW_INVALID_ARGUMENT for a texture name of 0. */
 LW_API lw_result lw_gl_lamp_update_from(lw_gl_lamp *lamp, const lw_light *light, const lw_gl_reflective_shadow_map *map, lw_gl_lamp_work *work);
 
 /* The next update places all lights anew: for a lamp that jumps. */
@@ -116,15 +118,15 @@ typedef struct lw_gl_gathering {
 } lw_gl_gathering;
 #define LW_GL_GATHERING_INIT {sizeof(lw_gl_gathering), 0.25f, 0.0f}
 
-/* Irradiance at the texels of the atlas after one reflection of the lamps' light, the sum of all `count` lamps (of this scene), into the atlas texture. One draw a lamp and two more.
+/* Irradiance at the texels of the atlas after one reflection of the lamps' light, the sum of all `count` lamps (of this scene), into the atlas texture: lux, at most 1e24. One draw a lamp and two more.
  *
  * gathering: NULL for LW_GL_GATHERING_INIT. */
 LW_API lw_result lw_gl_dynamic_gather(lw_gl_dynamic *scene, lw_gl_lamp *const *lamps, uint32_t count, const lw_gl_gathering *gathering);
 
 /* GLSL (330 or 300 es) of   vec3 lwLampIrradiance(vec3 position, vec3 normal, int first, int step)   : irradiance from every step-th virtual light from `first` on, times
- * `step`. For all lights (0, 1); for interleaved sampling a pixel of an n × n pattern takes (its number, n²), and a geometry-aware blur over n × n pixels follows. */
+ * `step`, in lux. Static storage. For all lights (0, 1); for interleaved sampling a pixel of an n × n pattern takes (its number, n²), and a geometry-aware blur over n × n pixels follows. */
 LW_API const char *lw_glsl_lamp(void);
-/* The uniforms of that. Textures stay the same from update to update. */
+/* The uniforms of that; LW_INVALID_ARGUMENT for NULL (not for `gathering`: its defaults) or values out of range. Textures stay the same from update to update. */
 typedef struct lw_gl_lamp_lookup_values {
   uint32_t place_texture;   /* uniform sampler2D lw_lamp_place */
   uint32_t flux_texture;    /* uniform sampler2D lw_lamp_flux */
@@ -133,9 +135,9 @@ typedef struct lw_gl_lamp_lookup_values {
 } lw_gl_lamp_lookup_values;
 LW_API lw_result lw_gl_lamp_lookup(const lw_gl_lamp *lamp, const lw_gl_gathering *gathering, lw_gl_lamp_lookup_values *values);
 
-/* ---- Reading back: for tools and tests; waits for the GPU ------------------------------------------------------------------------- */
+/* ---- Reading back: for tools and tests; waits for the GPU. They fail with LW_INVALID_ARGUMENT for NULL, LW_GL_FAILED ---- */
 
-LW_API lw_result lw_gl_dynamic_read_atlas(lw_gl_dynamic *scene, float *atlas_rgba);   /* [height][width][4] */
+LW_API lw_result lw_gl_dynamic_read_atlas(lw_gl_dynamic *scene, float *atlas_rgba);   /* [height][width][4], irradiance in lux and coverage */
 /* The virtual lights: type LW_VIRTUAL_DISK, those that do not shine with flux 0. lights: [options.lights]. */
 LW_API lw_result lw_gl_lamp_read_lights(lw_gl_lamp *lamp, lw_virtual_light *lights);
 /* What the shadow map of each light says about a point, in the lights' order: 1 lit, 0 hidden, or between; 0 behind the light. visibility: [options.lights]. */

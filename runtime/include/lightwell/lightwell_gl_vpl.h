@@ -79,10 +79,12 @@ LW_API lw_result lw_gl_vpl_set_source_scale(lw_gl_vpl *gl_vpl, uint32_t source, 
  * lights: [count], copied; `source` in them says nothing. count 0: the source is gone. */
 LW_API lw_result lw_gl_vpl_set_source_lights(lw_gl_vpl *gl_vpl, uint32_t source, const lw_virtual_light *lights, uint32_t count);
 
-/* All lights are drawn again, from darkness; what is shown fades into it. */
+/* All lights are drawn again, from darkness; what is shown fades into it. LW_INVALID_ARGUMENT for NULL, as for all functions here. */
 LW_API lw_result lw_gl_vpl_redraw(lw_gl_vpl *gl_vpl);
 
-/* Reads the light map, [height][width][4]. For tools and tests: waits for the GPU. */
+/* Reads the light map. For tools and tests: waits for the GPU. Fails with LW_GL_FAILED.
+ *
+ * rgba: [height][width][4], irradiance in lux and coverage. */
 LW_API lw_result lw_gl_vpl_read(lw_gl_vpl *gl_vpl, float *rgba);
 
 #ifdef __cplusplus
