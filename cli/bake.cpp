@@ -55,9 +55,9 @@ void summarise(Console& console, const bake::Baked& baked, const fs::path& outpu
     console.line("  " + s.type + std::string(s.type.size() < 12 ? 12 - s.type.size() : 0, ' ') + formatBytes(double(s.stored_bytes)) +
                  " (" + formatBytes(double(s.raw_bytes)) + " decoded)");
   for (const auto& e : report.errors) {
-    char text[128];
-    std::snprintf(text, sizeof text, ": relrmse %.2g %%, texrel %.2g %%, bias %+.2g %% (", 100 * e.relrmse(), 100 * e.texrel(),
-                  100 * e.bias());
+    char text[192];
+    std::snprintf(text, sizeof text, ": relrmse %.2g %% (%.2g to %.2g), texrel %.2g %% (%.2g to %.2g), bias %+.2g %%, maximum %.2g %% (", 100 * e.relrmse(), 100 * e.relrmse_low(),
+                  100 * e.relrmse_high(), 100 * e.texrel(), 100 * e.texrel_low(), 100 * e.texrel_high(), 100 * e.bias(), 100 * e.maximum());
     console.line("  error of " + e.section() + text + e.against() + ")");
   }
   for (const auto& o : outcome.omitted) console.line("  without " + o.type + ": " + o.reason);

@@ -195,7 +195,6 @@ bool isThereForPortals(const json& d) {
   return settings.is_object() && settings.value("techniques", json()) == "auto";
 }
 
-/// " (LOW to HIGH)", or nothing.
 /// A share of one as people read it.
 std::string percentText(const json& share) {
   if (!share.is_number()) return "undefined";
@@ -204,6 +203,7 @@ std::string percentText(const json& share) {
   return text;
 }
 
+/// " (LOW to HIGH)", or nothing.
 std::string intervalText(const json& error, const char* key) {
   return error.contains(key) ? " (" + percentText(error[key][0]) + " to " + percentText(error[key][1]) + ")" : "";
 }
@@ -238,7 +238,9 @@ void printForPeople(const json& d) {
   }
   for (const auto& e : d["errors"])
     out("measured error of " + e["section"].get<std::string>() + ": relrmse " + percentText(e["relrmse"]) + intervalText(e, "relrmse_interval") + ", texrel " +
-        percentText(e["texrel"]) + intervalText(e, "texrel_interval") + ", bias " + percentText(e["bias"]) + " against " + e["against"].get<std::string>());
+        percentText(e["texrel"]) + intervalText(e, "texrel_interval") + ", bias " + percentText(e["bias"]) + intervalText(e, "bias_interval") +
+        (e.contains("maximum") ? ", maximum " + percentText(e["maximum"]) + intervalText(e, "maximum_interval") : "") + " against " + e["against"].get<std::string>() +
+        (e.contains("seconds") ? ", baked in " + formatDuration(e["seconds"].get<double>()) : ""));
   if (isThereForPortals(d)) out("with radiosity: the scene has portals, which the other sections have as they are in the file");
   for (const auto& o : d["omitted"]) out("without " + o["type"].get<std::string>() + ": " + o["reason"].get<std::string>());
 }

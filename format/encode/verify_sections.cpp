@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "format/encode/verify_context.h"
 #include "lightwell/v1/container.pb.h"
@@ -86,12 +87,13 @@ void verifyMeta(VerifyContext& context) {
   if (!context.loadMessage("meta", "header", meta)) return;
   for (const v1::MeasuredError& error : meta.errors())
     if (!std::isfinite(error.relrmse()) || error.relrmse() < 0 || !std::isfinite(error.texrel()) || error.texrel() < 0 ||
-        !std::isfinite(error.bias()))
+        !std::isfinite(error.bias()) || !std::isfinite(error.maximum()) || error.maximum() < 0 || !std::isfinite(error.seconds()) || error.seconds() < 0)
       context.report(IssueId::header_value, "meta", "header",
                      "the measured error of \"" + error.section() + "\" is negative or not finite");
   for (const v1::MeasuredError& error : meta.errors())
-    for (const auto& [low, high] : {std::pair{error.relrmse_low(), error.relrmse_high()}, std::pair{error.texrel_low(), error.texrel_high()}})
-      if (!std::isfinite(high) || !(low >= 0 && low <= high))
+    for (const auto& [least, low, high] : {std::tuple{0.0, error.relrmse_low(), error.relrmse_high()}, std::tuple{0.0, error.texrel_low(), error.texrel_high()},
+                                           std::tuple{-1.0, error.bias_low(), error.bias_high()}, std::tuple{0.0, error.maximum_low(), error.maximum_high()}})
+      if (!std::isfinite(high) || !(low >= least && low <= high))
         context.report(IssueId::header_value, "meta", "header", "an interval of the measured error of \"" + error.section() + "\" is upside down or not finite");
   for (const v1::Omitted& omitted : meta.omitted())
     if (omitted.type().empty() || omitted.reason().empty())

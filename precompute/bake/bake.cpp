@@ -67,25 +67,6 @@ struct ContainerParts {
   InputRange environment, environment_errors;      // at most one each
 };
 
-void addError(v1::MetaHeader& meta, const char* section, double relrmse, double texrel, double bias, const std::string& against) {
-  v1::MeasuredError* error = meta.add_errors();
-  error->set_section(section);
-  error->set_relrmse(relrmse);
-  error->set_texrel(texrel);
-  error->set_bias(bias);
-  error->set_against(against);
-}
-
-void addError(v1::MetaHeader& meta, const transport::LightmapError& measured) {
-  if (measured.texels == 0) return;
-  addError(meta, "lightmap", measured.relrmse.value, measured.texrel.value, measured.bias, "all light, path-traced at " + std::to_string(measured.texels) + " texels");
-  v1::MeasuredError& error = *meta.mutable_errors()->rbegin();
-  error.set_relrmse_low(measured.relrmse.low);
-  error.set_relrmse_high(measured.relrmse.high);
-  error.set_texrel_low(measured.texrel.low);
-  error.set_texrel_high(measured.texrel.high);
-}
-
 Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const plan::Settings& settings, const ContainerParts& parts,
                       v1::MetaHeader meta, const TaskInputs& in) {
   std::optional<transport::PrmResult> prm;
@@ -93,16 +74,14 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   if (plan.prm) {
     prm = assemblePrm(parts.prm, parts.blocks.of(in), parts.emitter.of(in));
     in.cancel.check();
-    if (const auto measured = measurePrm(context, *prm, parts.references.of(in)))
-      addError(meta, "prm", measured->relrmse, measured->texrel, measured->bias, measured->against);
+    if (const auto measured = measurePrm(context, *prm, parts.references.of(in))) addMeasuredError(meta, "prm", *measured);
     in.cancel.check();
     if (plan.prm_sky) sky = makeSkyPanes(context, settings, *prm, parts.sky.of(in), in.cancel);
   }
   std::optional<transport::RadiosityResult> radiosity;
   if (plan.radiosity) {
     radiosity = parts.radiosity->assemble(viewsOf(parts.radiosity_links.of(in)), context.threads(), &in.cancel);
-    if (const auto measured = measureRadiosity(context, *radiosity, parts.references.of(in)))
-      addError(meta, "radiosity", measured->relrmse, measured->texrel, measured->bias, measured->against);
+    if (const auto measured = measureRadiosity(context, *radiosity, parts.references.of(in))) addMeasuredError(meta, "radiosity", *measured);
     in.cancel.check();
   }
   std::optional<transport::ProbeResult> probes;
@@ -111,8 +90,10 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   std::optional<transport::Lightmap> lightmap;
   if (plan.lightmap)
     lightmap = parts.lightmap->assemble(viewsOf(parts.lightmap_direct.of(in)), viewsOf(parts.lightmap_gathered.of(in)), context.threads(), in.cancel);
-  if (const auto measured = viewsOf(parts.lightmap_measured.of(in)); lightmap && !measured.empty())
-    addError(meta, parts.lightmap->measure(*lightmap, measured[0], std::span(measured).subspan(1)));
+  if (const auto measured = viewsOf(parts.lightmap_measured.of(in)); lightmap && !measured.empty()) {
+    const auto error = parts.lightmap->measure(*lightmap, measured[0], std::span(measured).subspan(1));
+    addMeasuredError(meta, "lightmap", {error, "all light, path-traced at " + std::to_string(error.texels) + " texels"});
+  }
   in.cancel.check();
   VplResult vpl;
   for (const Blob& result : parts.vpl.of(in)) vpl = readVplResult(*result);
@@ -123,9 +104,9 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   }
   for (const Blob& errors : parts.environment_errors.of(in))
     for (const EnvironmentError& e : readEnvironmentErrors(errors))
-      addError(meta, "environment", e.relrmse, e.texrel, e.bias,
-               (e.shininess == 1 ? "irradiance" : "Phong lobes of shininess " + std::to_string(int(e.shininess))) + ", unoccluded, in " +
-                   std::to_string(e.directions) + " directions, quadrature over the map");
+      addMeasuredError(meta, "environment",
+                       {e.error, (e.shininess == 1 ? "irradiance" : "Phong lobes of shininess " + std::to_string(int(e.shininess))) + ", unoccluded, in " +
+                                     std::to_string(e.error.texels) + " directions, quadrature over the map"});
   format::Writer writer({.zstd_level = kZstdLevel});
   addMetaSection(writer, meta);
   if (context.facts().has_scene) addSceneSection(writer, context.scene());
@@ -208,8 +189,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
   }
   if (plan.vpl) parts.vpl = take({addVplTasks(result.graph, context, vplSettings(options.settings))});
   if (plan.environment) {
-    const bool measure = options.settings.quality != plan::Quality::draft;
-    const EnvironmentTasks tasks = addEnvironmentTasks(result.graph, context, options.settings, measure);
+    const EnvironmentTasks tasks = addEnvironmentTasks(result.graph, context, options.settings, options.test_lights > 0);
     parts.environment = take({tasks.baked});
     if (tasks.measured) parts.environment_errors = take({*tasks.measured});
   }

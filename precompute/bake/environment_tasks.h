@@ -2,6 +2,7 @@
 #pragma once
 #include "precompute/bake/context.h"
 #include "precompute/transport/environment/environment.h"
+#include "precompute/transport/pooled_error.h"
 
 namespace lightwell::bake {
 
@@ -18,9 +19,8 @@ transport::Environment readEnvironment(const Blob& baked);
 
 /// What is stored is off by this much, unoccluded.
 struct EnvironmentError {
-  double relrmse, texrel, bias;
-  float shininess;  // 1: irradiance
-  uint32_t directions;
+  transport::PooledError error;  // of directions in place of texels
+  float shininess;               // 1: irradiance
 };
 std::vector<EnvironmentError> readEnvironmentErrors(const Blob& measured);
 

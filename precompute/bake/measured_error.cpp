@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "precompute/core/random.h"
-#include "precompute/transport/pooled_error.h"
+#include "precompute/transport/measured_texels.h"
 #include "precompute/transport/prm/entry_irradiance.h"
 #include "precompute/transport/prm/evaluate.h"
 #include "precompute/transport/prm/light_prior.h"
@@ -14,13 +14,9 @@
 namespace lightwell::bake {
 namespace {
 
-constexpr double kSolved = 1e-4;       // residual: far below what is measured
-constexpr uint64_t kReferences = 4;    // independent: a pair of them gives an error, the others its weight
-constexpr uint32_t kMostSamples = 64;  // paths per texel in each reference
-constexpr uint32_t kLeastSamples = 4;
-constexpr double kMostRays = 6 * kMostSamples;  // for a texel, about: where albedo is near 1, paths are long and there are fewer of them
+constexpr double kSolved = 1e-4;          // residual: far below what is measured
+constexpr uint32_t kMeasuredTexels = 1024;  // for each light others, so that lights tell of texels too
 constexpr uint64_t kLightSeed = 0x6c69676874ull;  // apart from the lights that bases are fitted to
-constexpr size_t kRuns = 32, kRunSlots = 32;      // the sample: runs of neighbouring texels, spread evenly over the atlas
 
 transport::PriorLight testLight(const BakeContext& context, uint32_t index) {
   return transport::samplePriorLights(context.scene(), context.atlas(), *context.tracer(), index + 1,
@@ -28,73 +24,60 @@ transport::PriorLight testLight(const BakeContext& context, uint32_t index) {
       .back();
 }
 
-/// Segments of a path, about: the geometric series of the mean albedo.
-double raysPerPath(const atlas::Atlas& atlas) {
-  double reflected = 0, area = 0;
-  for (const auto& slot : atlas.slots) {
-    reflected += double(luminance(slot.albedo_rgb)) * slot.area;
-    area += slot.area;
-  }
-  return 2 / (1 - std::min(0.999, area > 0 ? reflected / area : 0.0));  // each with its shadow ray
-}
-
-/// Half-open ranges of slots.
-std::vector<std::pair<size_t, size_t>> sampledRuns(size_t slots) {
-  if (slots <= kRuns * kRunSlots) return {{0, slots}};
-  std::vector<std::pair<size_t, size_t>> runs;
-  for (size_t i = 0; i < kRuns; ++i) {
-    const size_t first = i * (slots - kRunSlots) / (kRuns - 1);
-    runs.emplace_back(std::max(first, runs.empty() ? 0 : runs.back().second), first + kRunSlots);
-  }
-  return runs;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
+transport::MeasuredTexels texelsFor(const BakeContext& context, uint32_t light) {
+  const std::vector<uint32_t> even(context.atlas().slots.size(), 1);
+  return transport::chooseTexels(even, kMeasuredTexels, combineKeys(combineKeys(context.settings().seed, kLightSeed), light));
 }
 
 /// Indirect irradiance per slot of the atlas, under one light.
 using IndirectLight = std::function<std::vector<Rgb>(const scene::Light&)>;
 
 std::optional<MeasuredError> measure(const BakeContext& context, std::span<const Blob> references, const IndirectLight& indirect) {
-  struct Measured {
-    double mean, relrmse, texrel, bias;
-  };
-  std::vector<Measured> lights;
-  size_t texels = 0;
+  std::vector<transport::PooledError> errors;
+  std::vector<double> means;  // brightness under these lights
   for (uint32_t i = 0; i < references.size(); ++i) {
     ByteReader reader(*references[i]);
-    std::vector<std::vector<Rgb>> reference_rgb(kReferences);
-    for (auto& values : reference_rgb) values = reader.array<Rgb>();
+    std::vector<std::vector<Rgb>> reference_rgb(transport::kMeasuringReferences);
+    double sum = 0;
+    for (auto& values : reference_rgb) {
+      values = reader.array<Rgb>();
+      for (const Rgb& value : values) sum += luminance(value);
+    }
     const std::vector<Rgb> indirect_rgb = indirect(testLight(context, i).light);
+    const transport::MeasuredTexels texels = texelsFor(context, i);
     std::vector<Rgb> candidate_rgb;
-    for (const auto& [first, end] : sampledRuns(indirect_rgb.size()))
-      candidate_rgb.insert(candidate_rgb.end(), indirect_rgb.begin() + std::ptrdiff_t(first), indirect_rgb.begin() + std::ptrdiff_t(end));
-    const auto error = transport::compareWithReferences(reference_rgb, candidate_rgb);
-    double mean = 0;
-    for (const auto& values : reference_rgb)
-      for (const auto& value : values) mean += luminance(value);
+    for (const uint32_t slot : texels.slot) candidate_rgb.push_back(indirect_rgb[slot]);
+    const auto error = transport::compareWithReferences(reference_rgb, candidate_rgb, texels.weight);
     if (error.texels == 0 || !std::isfinite(error.relrmse) || !std::isfinite(error.texrel)) continue;
-    lights.push_back({mean, error.relrmse, error.texrel, error.bias});
-    texels = std::max(texels, error.texels);
+    errors.push_back(error);
+    means.push_back(sum / double(texels.slot.size()));
   }
-  if (lights.empty()) return std::nullopt;
-  const auto medianOf = [&](double Measured::*field) {
-    std::vector<double> values;
-    for (const auto& light : lights) values.push_back(light.*field);
-    return median(values);
-  };
+  if (errors.empty()) return std::nullopt;
   // Lights in sealed pockets say nothing about the scene.
-  const double enough = 0.1 * medianOf(&Measured::mean);
-  std::erase_if(lights, [&](const Measured& light) { return light.mean < enough; });
-  return MeasuredError{
-      std::max(0.0, medianOf(&Measured::relrmse)), std::max(0.0, medianOf(&Measured::texrel)),  // below zero: lost in noise
-      medianOf(&Measured::bias),
-      "median of " + std::to_string(lights.size()) + " point lights, indirect light path-traced at " + std::to_string(texels) + " texels"};
+  std::vector<double> in_order = means;
+  std::nth_element(in_order.begin(), in_order.begin() + std::ptrdiff_t(in_order.size() / 2), in_order.end());
+  const double enough = 0.1 * in_order[in_order.size() / 2];
+  std::vector<transport::PooledError> kept;
+  for (size_t i = 0; i < errors.size(); ++i)
+    if (means[i] >= enough) kept.push_back(errors[i]);
+  const auto error = transport::medianError(kept);
+  return MeasuredError{error, "medians of " + std::to_string(kept.size()) + " point lights, indirect light path-traced at " + std::to_string(error.texels) + " texels each"};
 }
 
 }  // namespace
+
+void addMeasuredError(v1::MetaHeader& meta, const char* section, const MeasuredError& measured) {
+  const transport::PooledError& e = measured.error;
+  if (e.texels == 0 || !std::isfinite(e.relrmse) || !std::isfinite(e.texrel)) return;
+  v1::MeasuredError& error = *meta.add_errors();
+  error.set_section(section);
+  error.set_relrmse(std::max(0.0, e.relrmse)), error.set_relrmse_low(e.relrmse_95.low), error.set_relrmse_high(e.relrmse_95.high);  // below zero: lost in noise
+  error.set_texrel(std::max(0.0, e.texrel)), error.set_texrel_low(e.texrel_95.low), error.set_texrel_high(e.texrel_95.high);
+  error.set_bias(e.bias), error.set_bias_low(std::max(-1.0, e.bias_95.low)), error.set_bias_high(std::max(-1.0, e.bias_95.high));
+  error.set_maximum(e.maximum), error.set_maximum_low(e.maximum_95.low), error.set_maximum_high(e.maximum_95.high);
+  error.set_texels(uint32_t(e.texels));
+  error.set_against(measured.against);
+}
 
 std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& context, uint32_t lights) {
   std::vector<TaskIndex> tasks;
@@ -106,9 +89,8 @@ std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& co
     for (auto& material : copy->materials) material.emissive = Rgb(0.0f);
     dark = copy;
   }
-  const double rays_per_path = raysPerPath(context.atlas());
-  const auto samples = uint32_t(std::clamp(kMostRays / rays_per_path, double(kLeastSamples), double(kMostSamples)));
-  const double rays = double(std::min(context.atlas().slots.size(), kRuns * kRunSlots)) * double(kReferences) * samples * rays_per_path;
+  const uint32_t paths = transport::measuringPaths(context.atlas());
+  const double rays = double(std::min<size_t>(context.atlas().slots.size(), kMeasuredTexels)) * transport::kMeasuringReferences * paths * transport::raysPerPath(context.atlas());
   for (uint32_t i = 0; i < lights; ++i)
     tasks.push_back(graph.add({"measure/" + std::to_string(i),
                                "measure",
@@ -116,20 +98,16 @@ std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& co
                                context.keys().reflection.hex() + " " + std::to_string(context.settings().seed) + " " + std::to_string(i),
                                {},
                                rays,
-                               [&context, dark, samples, i](const TaskInputs& in) {
+                               [&context, dark, paths, i](const TaskInputs& in) {
                                  const scene::Light light = testLight(context, i).light;
+                                 const transport::MeasuredTexels texels = texelsFor(context, i);
                                  ByteWriter writer;
-                                 for (uint64_t k = 1; k <= kReferences; ++k) {
-                                   transport::ReferenceOptions options{.samples = samples, .threads = 1, .cancel = &in.cancel};
-                                   options.seed = combineKeys(combineKeys(context.settings().seed, kLightSeed), k);
-                                   std::vector<Rgb> irradiance_rgb;
-                                   for (const auto& [first, end] : sampledRuns(context.atlas().slots.size())) {
-                                     const auto run =
-                                         transport::referenceIrradianceRange(*dark, context.atlas(), *context.tracer(), {light},
-                                                                             transport::Component::indirect, options, first, end);
-                                     irradiance_rgb.insert(irradiance_rgb.end(), run.irradiance_rgb.begin(), run.irradiance_rgb.end());
-                                   }
-                                   writer.array(irradiance_rgb);
+                                 for (uint64_t k = 1; k <= transport::kMeasuringReferences; ++k) {
+                                   transport::ReferenceOptions options{.samples = paths, .threads = 1, .cancel = &in.cancel};
+                                   options.seed = combineKeys(combineKeys(combineKeys(context.settings().seed, kLightSeed), i), k);
+                                   writer.array(transport::referenceIrradianceOf(texels.slot, *dark, context.atlas(), *context.tracer(), {light},
+                                                                                 transport::Component::indirect, options)
+                                                    .irradiance_rgb);
                                  }
                                  return writer.take();
                                }}));

@@ -2,19 +2,23 @@
 #pragma once
 #include <optional>
 
+#include "lightwell/v1/container.pb.h"
 #include "precompute/bake/context.h"
+#include "precompute/transport/pooled_error.h"
 #include "precompute/transport/prm/prm.h"
 #include "precompute/transport/radiosity/bake_radiosity.h"
 
 namespace lightwell::bake {
 
-/// Medians over the test lights of the errors of indirect irradiance (docs/cli.md defines them).
 struct MeasuredError {
-  double relrmse = 0, texrel = 0, bias = 0;
-  std::string against;  // in words
+  transport::PooledError error;  // medians over the test lights, of indirect irradiance
+  std::string against;           // in words
 };
 
-/// Adds one task for each of `lights` test lights: its path-traced indirect irradiance at a sample of texels, four times, independently.
+/// Adds it to what the container says of its sections, unless nothing was lit.
+void addMeasuredError(v1::MetaHeader& meta, const char* section, const MeasuredError& measured);
+
+/// Adds one task for each of `lights` test lights: its path-traced indirect irradiance at a sample of texels, several times, independently.
 /// `context` must have a tracer and outlive the graph.
 std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& context, uint32_t lights);
 

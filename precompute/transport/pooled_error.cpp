@@ -10,53 +10,225 @@ namespace {
 
 constexpr double kDark = 0.1;         // of the mean: what a dark texel's error is measured against at least
 constexpr double kUnlitShare = 1e-4;  // of the mean: a texel is lit when the mean of its channels is above this
+constexpr double kDeviations = 2.0;   // of a normal distribution: 95.4 % lie within
+constexpr double kOutside = 0.05;     // chance that an interval does not hold the true value
+constexpr double kPriorNoise = 4.0;   // texels' noise is known from so many values besides its own: from what all texels have in common
 
 double signedRoot(double square) { return std::copysign(std::sqrt(std::abs(square)), square); }
 
+/// What one lit texel adds to the sums.
+struct Sums {
+  double weight = 1;
+  double square = 0, relative = 0, reference_square = 0;  // over the channels
+  double candidate = 0, reference = 0;
+};
+
+struct Ratio {
+  double value = 0;
+  Interval interval_95;
+};
+
+/// Σ weight × above ÷ Σ weight × below.
+Ratio ratioOfSums(std::span<const Sums> texels, double Sums::*above, double Sums::*below) {
+  double numerator = 0, denominator = 0;
+  for (const Sums& t : texels) numerator += t.weight * t.*above, denominator += t.weight * t.*below;
+  Ratio ratio{.value = numerator / denominator};
+  // What each texel adds to the ratio's deviation.
+  const double count = double(texels.size());
+  double second = 0, third = 0;
+  for (const Sums& t : texels) {
+    const double influence = t.weight * (t.*above - ratio.value * t.*below) * count / denominator;
+    second += influence * influence, third += influence * influence * influence;
+  }
+  const double spread = std::sqrt(second / std::max(1.0, count - 1)), root = std::sqrt(count);
+  if (!(spread > 0)) {
+    ratio.interval_95 = {ratio.value, ratio.value};
+    return ratio;
+  }
+  const double skewness = third / count / (spread * spread * spread), bend = skewness / (3 * root);
+  const auto straightened = [&](double deviations) {
+    const double x = deviations - skewness / (6 * root);
+    return std::abs(bend) < 1e-9 ? x : (std::cbrt(1 + 3 * bend * x) - 1) / bend;
+  };
+  ratio.interval_95 = {ratio.value - spread / root * straightened(kDeviations), ratio.value - spread / root * straightened(-kDeviations)};
+  return ratio;
+}
+
+Interval rootOf(const Interval& squares) { return {std::sqrt(std::max(0.0, squares.low)), std::sqrt(std::max(0.0, squares.high))}; }
+
+/// How far a channel of a texel is off, by each half of what is known of it, and the variance of each half.
+struct Difference {
+  double half[2] = {0, 0};
+  double scale2 = 0;    // what noise is about proportional to
+  double variance = 0;  // of the mean of both
+  double mean() const { return (half[0] + half[1]) / 2; }
+};
+
+struct Maximum {
+  double value = 0;
+  Interval interval_95;
+};
+
+Maximum largest(std::vector<Difference>& differences) {
+  double noise = 0, values = double(differences.size());
+  for (const Difference& d : differences) noise += d.variance / (d.scale2 * values);
+  for (Difference& d : differences) d.variance = (d.variance + kPriorNoise * noise * d.scale2) / (1 + kPriorNoise);
+  // Found with one half, measured with the other: the largest of many noisy values is too large.
+  Maximum maximum;
+  double variance = 0;
+  for (const int finds : {0, 1}) {
+    const Difference& found = *std::max_element(differences.begin(), differences.end(),
+                                                [&](const Difference& a, const Difference& b) { return std::abs(a.half[finds]) < std::abs(b.half[finds]); });
+    maximum.value += std::copysign(found.half[1 - finds], found.half[1 - finds] * found.half[finds]) / 2;
+    variance += 2 * found.variance / 4;
+  }
+  maximum.interval_95.low = std::max(0.0, maximum.value - kDeviations * std::sqrt(variance));
+  // Chernoff's bound for the normal distribution, half of the chance, shared by all values.
+  const double deviations = std::sqrt(2 * std::log(values * 2 / kOutside));
+  for (const Difference& d : differences) maximum.interval_95.high = std::max(maximum.interval_95.high, std::abs(d.mean()) + deviations * std::sqrt(d.variance));
+  maximum.value = std::clamp(maximum.value, maximum.interval_95.low, maximum.interval_95.high);
+  return maximum;
+}
+
+/// Candidate and references of one texel and channel.
+struct Values {
+  std::span<const std::vector<Rgb>> references;
+  const std::array<std::span<const Rgb>, 2>& candidate;
+  size_t texel;
+  int channel;
+
+  double reference(size_t i) const { return references[i][texel][channel]; }
+  double of(size_t half) const { return candidate[half][texel][channel]; }
+
+  void addTo(Sums& sums, double sum, double dark) const {
+    const size_t count = references.size();
+    const double pairs = double(count * (count - 1) / 2), v = of(0), w = of(1);
+    sums.candidate += (v + w) / 2;
+    sums.reference += sum / double(count);
+    for (size_t i = 0; i < count; ++i)
+      for (size_t j = i + 1; j < count; ++j) {
+        const double a = reference(i), b = reference(j), others = (sum - a - b) / double(count - 2);
+        const double product = ((v - a) * (w - b) + (w - a) * (v - b)) / (2 * pairs), scale = std::max(others, 0.0) + dark;
+        sums.square += product;
+        sums.relative += product / (3 * scale * scale);
+        sums.reference_square += a * b / pairs;
+      }
+  }
+  Difference difference(double sum, double dark) const {
+    const size_t count = references.size(), first = count / 2;
+    const double mean = sum / double(count);
+    double part = 0, scatter = 0;
+    for (size_t i = 0; i < count; ++i) {
+      if (i < first) part += reference(i);
+      scatter += (reference(i) - mean) * (reference(i) - mean);
+    }
+    Difference d;
+    d.half[0] = of(0) - part / double(first), d.half[1] = of(1) - (sum - part) / double(count - first);
+    d.scale2 = (std::max(mean, 0.0) + dark) * (std::max(mean, 0.0) + dark);
+    d.variance = scatter / double(count * (count - 1)) + (of(0) - of(1)) * (of(0) - of(1)) / 4;
+    return d;
+  }
+};
+
+double medianOf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
+}
+
+/// How many of `count` values in order lie outside of the interval for their median, at either end: the chance of fewer than that many below the true median is that of so few heads among as many
+/// coins. `count` when no interval is sure enough.
+size_t outsideOfInterval(size_t count) {
+  double term = std::exp2(-double(count)), chance = 0;
+  for (size_t k = 0; k < count; ++k) {
+    chance += term;
+    if (2 * chance > kOutside) return k == 0 ? count : k - 1;
+    term *= double(count - k) / double(k + 1);
+  }
+  return count;
+}
+
+/// From the values' own order; `lows` and `highs` of them may differ from the values where these are not known exactly.
+Interval medianInterval(std::vector<double> lows, std::vector<double> highs) {
+  const size_t outside = outsideOfInterval(lows.size());
+  if (outside >= lows.size()) return {};
+  std::sort(lows.begin(), lows.end());
+  std::sort(highs.begin(), highs.end());
+  return {lows[outside], highs[highs.size() - 1 - outside]};
+}
+
 }  // namespace
 
-PooledError compareWithReferences(std::span<const std::vector<Rgb>> references, std::span<const Rgb> candidate) {
-  const size_t count = references.size();
+PooledError compareWithReferences(std::span<const std::vector<Rgb>> references, std::span<const Rgb> candidate, std::span<const float> weight) {
+  return compareWithReferences(references, {candidate, candidate}, weight);
+}
+
+PooledError compareWithReferences(std::span<const std::vector<Rgb>> references, const std::array<std::span<const Rgb>, 2>& candidate, std::span<const float> weight) {
+  const size_t count = references.size(), size = candidate[0].size();
   if (count < 3) throw std::logic_error("compareWithReferences: at least three references are needed");
   for (const auto& reference : references)
-    if (reference.size() != candidate.size()) throw std::logic_error("compareWithReferences: the maps differ in size");
+    if (reference.size() != size) throw std::logic_error("compareWithReferences: the maps differ in size");
+  if (candidate[1].size() != size || (!weight.empty() && weight.size() != size)) throw std::logic_error("compareWithReferences: the maps differ in size");
 
-  std::vector<Vec3d> sum_rgb(candidate.size(), Vec3d(0.0));
-  double all = 0;
-  for (size_t t = 0; t < candidate.size(); ++t) {
+  std::vector<Vec3d> sum_rgb(size, Vec3d(0.0));
+  double all = 0, weights = 0;
+  for (size_t t = 0; t < size; ++t) {
     for (const auto& reference : references) sum_rgb[t] += Vec3d(reference[t]);
-    all += sum_rgb[t].x + sum_rgb[t].y + sum_rgb[t].z;
+    const double w = weight.empty() ? 1 : double(weight[t]);
+    all += w * (sum_rgb[t].x + sum_rgb[t].y + sum_rgb[t].z), weights += w;
   }
-  const double values = 3.0 * double(candidate.size()), mean = all / (double(count) * std::max(1.0, values));
+  const double mean = weights > 0 ? all / (3 * double(count) * weights) : 0, dark = kDark * mean;
 
-  PooledError error;
-  const double pairs = double(count * (count - 1) / 2);
-  double square_sum = 0, weighted_sum = 0, reference_square_sum = 0, reference_sum = 0, candidate_sum = 0;
-  for (size_t t = 0; t < candidate.size(); ++t) {
+  std::vector<Sums> texels;
+  std::vector<Difference> differences;
+  for (size_t t = 0; t < size; ++t) {
     if (!(sum_rgb[t].x + sum_rgb[t].y + sum_rgb[t].z > 3 * double(count) * kUnlitShare * mean)) continue;
-    ++error.texels;
+    Sums& sums = texels.emplace_back();
+    if (!weight.empty()) sums.weight = weight[t];
     for (int c = 0; c < 3; ++c) {
-      const double v = candidate[t][c], sum = sum_rgb[t][c];
-      candidate_sum += v;
-      reference_sum += sum / double(count);
-      for (size_t i = 0; i < count; ++i)
-        for (size_t j = i + 1; j < count; ++j) {
-          const double a = references[i][t][c], b = references[j][t][c], others = (sum - a - b) / double(count - 2);
-          const double product = (v - a) * (v - b) / pairs, scale = std::max(others, 0.0) + kDark * mean;
-          square_sum += product;
-          weighted_sum += product / (scale * scale);
-          reference_square_sum += a * b / pairs;
-        }
+      const Values values{references, candidate, t, c};
+      values.addTo(sums, sum_rgb[t][c], dark);
+      differences.push_back(values.difference(sum_rgb[t][c], dark));
     }
   }
-  if (error.texels == 0 || !(reference_square_sum > 0)) {
-    error.relrmse = error.texrel = error.bias = std::numeric_limits<double>::infinity();
+  PooledError error;
+  error.texels = texels.size();
+  double lit_weight = 0, reference_square_sum = 0;
+  for (const Sums& t : texels) lit_weight += t.weight, reference_square_sum += t.weight * t.reference_square;
+  if (texels.empty() || !(reference_square_sum > 0)) {
+    error.relrmse = error.texrel = error.bias = error.maximum = std::numeric_limits<double>::infinity();
     return error;
   }
-  error.relrmse = signedRoot(square_sum / reference_square_sum);
-  error.texrel = signedRoot(weighted_sum / (3.0 * double(error.texels)));
-  error.bias = candidate_sum / reference_sum - 1.0;
+  const Ratio relrmse = ratioOfSums(texels, &Sums::square, &Sums::reference_square), bias = ratioOfSums(texels, &Sums::candidate, &Sums::reference);
+  const double rms = std::sqrt(reference_square_sum / (3 * lit_weight));
+  const Maximum maximum = largest(differences);
+  error.relrmse = signedRoot(relrmse.value), error.relrmse_95 = rootOf(relrmse.interval_95);
+  error.bias = bias.value - 1, error.bias_95 = {bias.interval_95.low - 1, bias.interval_95.high - 1};
+  error.maximum = maximum.value / rms, error.maximum_95 = {maximum.interval_95.low / rms, maximum.interval_95.high / rms};
+  for (Sums& t : texels) t.reference = 1;
+  const Ratio texrel = ratioOfSums(texels, &Sums::relative, &Sums::reference);
+  error.texrel = signedRoot(texrel.value), error.texrel_95 = rootOf(texrel.interval_95);
   return error;
+}
+
+PooledError medianError(std::span<const PooledError> errors) {
+  const auto values = [&](const auto& field) {
+    std::vector<double> list;
+    for (const PooledError& error : errors) list.push_back(field(error));
+    return list;
+  };
+  PooledError result;
+  const auto takeMedian = [&](double PooledError::*field, Interval PooledError::*interval_95) {
+    const auto list = values([&](const PooledError& error) { return error.*field; });
+    result.*field = medianOf(list);
+    result.*interval_95 = medianInterval(list, list);
+  };
+  for (const PooledError& error : errors) result.texels = std::max(result.texels, error.texels);
+  takeMedian(&PooledError::relrmse, &PooledError::relrmse_95);
+  takeMedian(&PooledError::texrel, &PooledError::texrel_95);
+  takeMedian(&PooledError::bias, &PooledError::bias_95);
+  takeMedian(&PooledError::maximum, &PooledError::maximum_95);
+  result.maximum_95 = medianInterval(values([](const PooledError& error) { return error.maximum_95.low; }), values([](const PooledError& error) { return error.maximum_95.high; }));
+  return result;
 }
 
 }  // namespace lightwell::transport

@@ -13,7 +13,7 @@ namespace lightwell::transport {
 using Prepared = test::PreparedScene;
 
 /// All stages, cut into ranges of `grain`, on `threads` threads; with `error` the measured one too.
-inline Lightmap bake(const Prepared& p, const LightmapSettings& settings, uint32_t grain = 200, int threads = 2, LightmapError* error = nullptr) {
+inline Lightmap bake(const Prepared& p, const LightmapSettings& settings, uint32_t grain = 200, int threads = 2, PooledError* error = nullptr) {
   const CancelFlag cancel;
   const Bytes patches = makeLightmapPatchBytes(p.scene, p.atlas, *p.tracer, settings, threads, nullptr);
   const LightmapBaker baker(p.scene, p.atlas, *p.tracer, p.scene.lights, nullptr, settings, patches);

@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 
+#include "precompute/transport/measured_texels.h"
 #include "precompute/transport/pooled_error.h"
 #include "precompute/transport/reference/reference.h"
 #include "tests/transport/baked_lightmap.h"
@@ -53,19 +54,19 @@ TEST(LightmapError, MeasuredIntervalsHoldTheTrueError) {
   for (int seed = 1; seed <= seeds; ++seed) {
     LightmapSettings settings = draft();
     settings.seed = uint64_t(seed);
-    LightmapError measured;
+    PooledError measured;
     const Lightmap map = bake(p, settings, 200, 2, &measured);
     const PooledError is = compareWithReferences(truth, total(map));
     ASSERT_GT(measured.texels, 500u);
-    EXPECT_LE(measured.relrmse.low, measured.relrmse.value);
-    EXPECT_LE(measured.relrmse.value, measured.relrmse.high);
-    EXPECT_LT(measured.relrmse.high, 0.3) << "an interval that says nothing holds everything";
+    EXPECT_LE(measured.relrmse_95.low, measured.relrmse);
+    EXPECT_LE(measured.relrmse, measured.relrmse_95.high);
+    EXPECT_LT(measured.relrmse_95.high, 0.3) << "an interval that says nothing holds everything";
     EXPECT_NEAR(measured.bias, is.bias, 0.03);
-    relrmse_held += measured.relrmse.low <= is.relrmse && is.relrmse <= measured.relrmse.high;
-    texrel_held += measured.texrel.low <= is.texrel && is.texrel <= measured.texrel.high;
+    relrmse_held += measured.relrmse_95.low <= is.relrmse && is.relrmse <= measured.relrmse_95.high;
+    texrel_held += measured.texrel_95.low <= is.texrel && is.texrel <= measured.texrel_95.high;
     if (seeds > 3)
-      std::printf("seed %d: relrmse %.4f in [%.4f, %.4f], texrel %.4f in [%.4f, %.4f]\n", seed, is.relrmse, measured.relrmse.low, measured.relrmse.high, is.texrel,
-                  measured.texrel.low, measured.texrel.high);
+      std::printf("seed %d: relrmse %.4f in [%.4f, %.4f], texrel %.4f in [%.4f, %.4f]\n", seed, is.relrmse, measured.relrmse_95.low, measured.relrmse_95.high, is.texrel,
+                  measured.texrel_95.low, measured.texrel_95.high);
   }
   EXPECT_GE(relrmse_held, seeds > 3 ? 0.9 * seeds : seeds - 1);
   EXPECT_GE(texrel_held, seeds > 3 ? 0.9 * seeds : seeds - 1);

@@ -5,6 +5,7 @@
 #include "precompute/transport/exposure.h"
 #include "precompute/transport/lightmap/irradiance_cache.h"
 #include "precompute/transport/lightmap/share.h"
+#include "precompute/transport/measured_texels.h"
 #include "precompute/transport/radiosity/patch_bytes.h"
 #include "precompute/transport/reference/path_batch.h"
 #include "precompute/transport/stage_bytes.h"
@@ -13,8 +14,7 @@ namespace lightwell::transport {
 namespace {
 
 constexpr double kMostRaysForBrightness = 16;
-constexpr uint32_t kMeasuredTexels = 768, kReferences = 4;
-constexpr uint32_t kReferenceSamples = 64;         // in each reference of a texel
+constexpr uint32_t kMeasuredTexels = 768;
 constexpr uint64_t kReferenceSeed = 0x6c696768746d6170ull;  // apart from the seeds of people's own references
 
 void append(std::vector<Rgb>& to, const std::vector<Rgb>& values) { to.insert(to.end(), values.begin(), values.end()); }
@@ -290,27 +290,28 @@ Bytes LightmapBaker::references(uint32_t first, uint32_t end, ByteView refined, 
   const PathContext context{impl_->scene, impl_->atlas, impl_->tracer, impl_->emitters, impl_->punctual, impl_->sky, Component::total, &cancel};
   PathBatch batch(context);
   ByteWriter writer;
-  for (uint64_t k = 0; k < kReferences; ++k) {
+  const uint32_t paths = measuringPaths(impl_->atlas);
+  for (uint64_t k = 0; k < kMeasuringReferences; ++k) {
     const uint64_t seed = combineKeys(combineKeys(impl_->settings.seed, kReferenceSeed), k);
     std::vector<Rgb> mean_rgb, path_rgb;
     std::vector<PathStart> starts;
     for (const uint32_t slot : slots) {
       starts.clear();
       const uint32_t texel = impl_->atlas.slots[slot].texel;
-      for (uint32_t i = 0; i < kReferenceSamples; ++i) starts.push_back({slot, i, Sampler(seed, texel), combineKeys(combineKeys(seed, texel), i)});
+      for (uint32_t i = 0; i < paths; ++i) starts.push_back({slot, i, Sampler(seed, texel), combineKeys(combineKeys(seed, texel), i)});
       batch.trace(starts, path_rgb);
       Vec3d sum(0.0);
       for (const Rgb& value : path_rgb) sum += Vec3d(value);
-      mean_rgb.emplace_back(sum / double(kReferenceSamples));
+      mean_rgb.emplace_back(sum / double(paths));
     }
     writer.array(mean_rgb);
   }
   return writer.take();
 }
 
-LightmapError LightmapBaker::measure(const Lightmap& map, ByteView refined, std::span<const ByteView> references) const {
+PooledError LightmapBaker::measure(const Lightmap& map, ByteView refined, std::span<const ByteView> references) const {
   const auto chosen = chooseTexels(impl_->readRefined(refined).rays, kMeasuredTexels, impl_->settings.seed);
-  std::vector<std::vector<Rgb>> reference_rgb(kReferences);
+  std::vector<std::vector<Rgb>> reference_rgb(kMeasuringReferences);
   for (const ByteView part : references) {
     ByteReader reader(part);
     for (auto& values : reference_rgb) append(values, reader.array<Rgb>());
@@ -318,7 +319,7 @@ LightmapError LightmapBaker::measure(const Lightmap& map, ByteView refined, std:
   for (const auto& values : reference_rgb) require(values.size() == chosen.slot.size());
   std::vector<Rgb> candidate_rgb;
   for (const uint32_t slot : chosen.slot) candidate_rgb.push_back(map.direct_rgb[slot] + map.indirect_rgb[slot]);
-  return measureLightmap(reference_rgb, candidate_rgb, chosen.weight);
+  return compareWithReferences(reference_rgb, candidate_rgb, chosen.weight);
 }
 
 Lightmap LightmapBaker::assemble(std::span<const ByteView> direct, std::span<const ByteView> gathered, int threads, const CancelFlag& cancel) const {

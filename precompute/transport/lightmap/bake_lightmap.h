@@ -10,7 +10,7 @@
 
 #include "precompute/core/bytes.h"
 #include "precompute/transport/lightmap/direct_light.h"
-#include "precompute/transport/lightmap/measure_lightmap.h"
+#include "precompute/transport/pooled_error.h"
 #include "precompute/transport/radiosity/patches.h"
 
 namespace lightwell::transport {
@@ -65,7 +65,7 @@ class LightmapBaker {
   Bytes references(uint32_t first, uint32_t end, ByteView refined, const CancelFlag& cancel) const;
   uint32_t referenceCount() const;
   /// The error of all light together. `references` of all of them, in range order.
-  LightmapError measure(const Lightmap& map, ByteView refined, std::span<const ByteView> references) const;
+  PooledError measure(const Lightmap& map, ByteView refined, std::span<const ByteView> references) const;
   /// Inputs in range order. This and the stages before throw std::runtime_error for inputs that no stage wrote.
   Lightmap assemble(std::span<const ByteView> direct, std::span<const ByteView> gathered, int threads, const CancelFlag& cancel) const;
 

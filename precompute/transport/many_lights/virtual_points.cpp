@@ -5,6 +5,7 @@
 #include <span>
 
 #include "precompute/core/random.h"
+#include "precompute/transport/mean_albedo.h"
 
 namespace lightwell::transport {
 namespace {
@@ -59,16 +60,6 @@ float rangeWindow(const scene::Light& light, float distance) {
   return std::clamp(1 - ratio * ratio * ratio * ratio, 0.0f, 1.0f);
 }
 
-/// What fraction of a path's light leaves a mean surface, as the next reflection finds it.
-double meanAlbedo(const atlas::Atlas& atlas) {
-  double reflected = 0, area = 0;
-  for (const auto& slot : atlas.slots) {
-    reflected += double(slot.area) * double(maxComponent(slot.albedo_rgb));
-    area += double(slot.area);
-  }
-  return area > 0 ? reflected / area : 0;
-}
-
 }  // namespace
 
 struct LightPaths::Start {
@@ -109,7 +100,7 @@ LightPaths::LightPaths(const scene::Scene& scene, const atlas::Atlas& atlas, con
     total += power[i] *= share[i];
   }
   if (!(total > 0) || !std::isfinite(total)) return;
-  const double reflections = 1 / std::max(1 - meanAlbedo(atlas), 1e-4);
+  const double reflections = 1 / (1 - meanAlbedo(atlas));
   const double paths = std::max(std::min(double(options.paths), options.paths * kMostReflections / reflections), 64.0);
   uint32_t end = 0;
   for (uint32_t i = 0; i < power.size(); ++i) {
