@@ -61,6 +61,7 @@ struct RadiosityHeader {
 struct LightmapHeader {
   uint32_t texels = 0;
   bool has_direct = false, has_indirect = false, has_direct_gradient = false, has_indirect_gradient = false;
+  float unit = 1;  // never 0
 };
 
 struct VplHeader {
@@ -79,6 +80,17 @@ struct ProbesHeader {
   float lattice_spacing_m = 0;
 };
 
+/// Of section meta.
+struct MeasuredError {
+  struct Estimate {
+    double value = 0, low = 0, high = 0;
+  };
+  std::string_view section, against;  // into the message's bytes
+  Estimate relrmse, texrel, bias, maximum;
+  double seconds = 0;
+  uint32_t texels = 0;
+};
+
 /// Each parses the decoded bytes of a chunk "header". False when they are not a valid message of that kind (wire format, array lengths).
 /// Values are not judged further; `verify` does that.
 bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header);
@@ -90,6 +102,9 @@ bool parsePointsHeader(const uint8_t* message, size_t bytes, PointsHeader& heade
 bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header);
 /// `lights` may be null; otherwise it receives the first `light_capacity` lights. SceneHeader::light_count counts all.
 bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity);
+
+/// The errors of a MetaHeader, whose other fields are skipped: how many there are of `section` (empty: of all), and number `index` of these, untouched when there are fewer.
+bool parseMetaErrors(const uint8_t* message, size_t bytes, std::string_view section, uint32_t index, MeasuredError& error, uint32_t& count);
 
 /// The same for the names of materials and for portals.
 bool parseRadiosityHeader(const uint8_t* message, size_t bytes, RadiosityHeader& header, std::string_view* material_names, size_t material_capacity,

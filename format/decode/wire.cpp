@@ -73,6 +73,9 @@ void WireReader::read(bool& value) {
 void WireReader::read(float& value) {
   if (expect(WireType::fixed32) && first()) value = std::bit_cast<float>(uint32_t(number_));
 }
+void WireReader::read(double& value) {
+  if (expect(WireType::fixed64) && first()) value = std::bit_cast<double>(number_);
+}
 void WireReader::read(std::string_view& value) {
   if (expect(WireType::bytes) && first()) value = bytes_;
 }

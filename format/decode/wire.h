@@ -30,6 +30,7 @@ class WireReader {
   void readFixed64(uint64_t& value);
   void read(bool& value);
   void read(float& value);
+  void read(double& value);
   void read(std::string_view& value);
   /// A submessage or string of a repeated field: any number of occurrences.
   std::string_view bytes();

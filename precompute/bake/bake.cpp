@@ -63,6 +63,7 @@ struct ContainerParts {
   InputRange lightmap_direct, lightmap_gathered;   // empty without a light map
   InputRange lightmap_measured;                    // empty unless its error is wanted
   InputRange vpl;                                  // empty without virtual lights
+  InputRange vpl_references, vpl_irradiance;       // empty unless their error is wanted
   InputRange references;                           // of indirect light, for whatever gives it
   InputRange environment, environment_errors;      // at most one each
 };
@@ -97,6 +98,8 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   in.cancel.check();
   VplResult vpl;
   for (const Blob& result : parts.vpl.of(in)) vpl = readVplResult(*result);
+  if (!vpl.lights.empty() && parts.vpl_references.count > 0)
+    addMeasuredError(meta, "vpl", measureVpl(context, vplSettings(settings), parts.vpl_references.of(in), parts.vpl_irradiance.of(in)));
   if (plan.vpl && vpl.lights.empty()) {
     v1::Omitted* out = meta.add_omitted();
     out->set_type("vpl");
@@ -187,7 +190,12 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     parts.lightmap_gathered = take(lightmap.gathered);
     parts.lightmap_measured = take(lightmap.measured);
   }
-  if (plan.vpl) parts.vpl = take({addVplTasks(result.graph, context, vplSettings(options.settings))});
+  if (plan.vpl) {
+    const VplTasks vpl = addVplTasks(result.graph, context, vplSettings(options.settings), options.test_lights > 0);
+    parts.vpl = take({vpl.lights});
+    parts.vpl_references = take(vpl.references);
+    parts.vpl_irradiance = take(vpl.irradiance);
+  }
   if (plan.environment) {
     const EnvironmentTasks tasks = addEnvironmentTasks(result.graph, context, options.settings, options.test_lights > 0);
     parts.environment = take({tasks.baked});

@@ -50,7 +50,7 @@ class Attempts {
     const auto meta = format::Reader(*outcome.container).meta();
     std::optional<double> largest;  // of what gives light to surfaces
     for (const auto& error : meta.errors())
-      if (error.section() == "prm" || error.section() == "radiosity" || error.section() == "lightmap") largest = std::max(largest.value_or(0.0), error.relrmse());
+      if (error.section() != "environment") largest = std::max(largest.value_or(0.0), error.relrmse());
     if (largest) return largest;
     return std::nullopt;
   }

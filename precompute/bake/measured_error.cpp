@@ -71,8 +71,9 @@ void addMeasuredError(v1::MetaHeader& meta, const char* section, const MeasuredE
   if (e.texels == 0 || !std::isfinite(e.relrmse) || !std::isfinite(e.texrel)) return;
   v1::MeasuredError& error = *meta.add_errors();
   error.set_section(section);
-  error.set_relrmse(std::max(0.0, e.relrmse)), error.set_relrmse_low(e.relrmse_95.low), error.set_relrmse_high(e.relrmse_95.high);  // below zero: lost in noise
-  error.set_texrel(std::max(0.0, e.texrel)), error.set_texrel_low(e.texrel_95.low), error.set_texrel_high(e.texrel_95.high);
+  const auto root = [](double value) { return std::max(0.0, value); };  // below zero: lost in noise
+  error.set_relrmse(root(e.relrmse)), error.set_relrmse_low(root(e.relrmse_95.low)), error.set_relrmse_high(root(e.relrmse_95.high));
+  error.set_texrel(root(e.texrel)), error.set_texrel_low(root(e.texrel_95.low)), error.set_texrel_high(root(e.texrel_95.high));
   error.set_bias(e.bias), error.set_bias_low(std::max(-1.0, e.bias_95.low)), error.set_bias_high(std::max(-1.0, e.bias_95.high));
   error.set_maximum(e.maximum), error.set_maximum_low(e.maximum_95.low), error.set_maximum_high(e.maximum_95.high);
   error.set_texels(uint32_t(e.texels));

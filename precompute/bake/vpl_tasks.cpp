@@ -4,12 +4,18 @@
 #include <cmath>
 
 #include "precompute/bake/stage_tasks.h"
+#include "precompute/core/random.h"
+#include "precompute/transport/many_lights/virtual_light_irradiance.h"
+#include "precompute/transport/measured_texels.h"
+#include "precompute/transport/reference/reference.h"
 #include "precompute/transport/stage_bytes.h"
 
 namespace lightwell::bake {
 namespace {
 
 constexpr uint32_t kPathsPerTask = 16384;
+constexpr uint32_t kMeasuredTexels = 512, kMeasuredPerTask = 64;
+constexpr uint64_t kReferenceSeed = 0x76706cull, kLookSeed = 0x6c6f6f6bull;  // apart from all other seeds
 constexpr uint32_t kPathsPerLight = 100, kFewestPaths = 20000, kMostPaths = 1u << 22;
 
 uint32_t lightsFor(plan::Quality quality) {
@@ -40,6 +46,42 @@ std::optional<transport::VirtualLightType> typeOf(plan::VirtualLightShape shape)
   return std::nullopt;
 }
 
+transport::MeasuredTexels texelsFor(const BakeContext& context) {
+  const std::vector<uint32_t> even(context.atlas().slots.size(), 1);
+  return transport::chooseTexels(even, kMeasuredTexels, combineKeys(context.settings().seed, kReferenceSeed));
+}
+
+/// All that was reflected, and emitters' own light: what lamps and the sky give straight is not in the lights.
+Bytes references(const BakeContext& context, uint32_t bounces, uint32_t first, uint32_t end, const CancelFlag& cancel) {
+  const transport::MeasuredTexels texels = texelsFor(context);
+  const auto slots = std::span(texels.slot).subspan(first, end - first);
+  const scene::Scene& scene = context.scene();
+  ByteWriter writer;
+  for (uint64_t k = 1; k <= transport::kMeasuringReferences; ++k) {
+    transport::ReferenceOptions options{.samples = transport::measuringPaths(context.atlas()), .threads = 1, .sky = context.skyLight(), .cancel = &cancel};
+    options.seed = combineKeys(combineKeys(context.settings().seed, kReferenceSeed), k);
+    if (bounces) options.most_bounces = bounces;
+    auto light = transport::referenceIrradianceOf(slots, scene, context.atlas(), *context.tracer(), scene.lights, transport::Component::indirect, options).irradiance_rgb;
+    if (context.facts().has_emitters) {
+      options.sky = nullptr;
+      const auto direct = transport::referenceIrradianceOf(slots, scene, context.atlas(), *context.tracer(), {}, transport::Component::direct, options).irradiance_rgb;
+      for (size_t i = 0; i < light.size(); ++i) light[i] += direct[i];
+    }
+    writer.array(light);
+  }
+  return writer.take();
+}
+
+/// Twice, independently.
+Bytes irradiance(const BakeContext& context, std::span<const transport::VirtualLight> lights, uint32_t first, uint32_t end, const CancelFlag& cancel) {
+  const transport::MeasuredTexels texels = texelsFor(context);
+  const transport::VirtualLightSampler sampler(context.scene(), context.atlas(), *context.tracer(), lights);
+  ByteWriter writer;
+  for (const uint64_t half : {1u, 2u})
+    writer.array(sampler.irradiance(std::span(texels.slot).subspan(first, end - first), combineKeys(combineKeys(context.settings().seed, kLookSeed), half), cancel));
+  return writer.take();
+}
+
 }  // namespace
 
 VplSettings vplSettings(const plan::Settings& settings) {
@@ -55,7 +97,8 @@ VplSettings vplSettings(const plan::Settings& settings) {
   return vpl;
 }
 
-TaskIndex addVplTasks(TaskGraph& graph, const BakeContext& context, const VplSettings& settings) {
+VplTasks addVplTasks(TaskGraph& graph, const BakeContext& context, const VplSettings& settings, bool measure) {
+  VplTasks tasks;
   const auto paths = std::make_shared<const transport::LightPaths>(context.scene(), context.atlas(), *context.tracer(),
                                                                    context.scene().lights, context.skyLight(), settings.paths);
   const Parameters light = Parameters(context.keys().surfaces).add(context.keys().lights).add(context.skyKey()).add(settings.paths.paths, settings.paths.bounces, settings.paths.seed);
@@ -66,7 +109,7 @@ TaskIndex addVplTasks(TaskGraph& graph, const BakeContext& context, const VplSet
                                  return writer.take();
                                });
   const transport::ClusterOptions& c = settings.clusters;
-  return graph.add({"vpl/clusters", "virtual lights", "vpl/clusters",
+  tasks.lights = graph.add({"vpl/clusters", "virtual lights", "vpl/clusters",
                     Parameters(light).add(c.lights, c.type ? int(*c.type) : 0, c.seed).text(), traced, 2.0 * paths->count(),
                     [&context, c](const TaskInputs& in) {
                       std::vector<transport::VirtualPoint> points;
@@ -82,6 +125,36 @@ TaskIndex addVplTasks(TaskGraph& graph, const BakeContext& context, const VplSet
                       writer.array(lights);
                       return writer.take();
                     }});
+  if (!measure) return tasks;
+  const uint32_t texels = uint32_t(texelsFor(context).slot.size());
+  const double rays = transport::kMeasuringReferences * transport::measuringPaths(context.atlas()) * transport::raysPerPath(context.atlas());
+  tasks.references = addRange(graph, "vpl", "measure", Parameters(context.keys().surfaces).add(context.keys().lights).add(context.skyKey()).add(settings.paths.bounces, settings.paths.seed), texels,
+                              kMeasuredPerTask, rays, {}, [&context, bounces = settings.paths.bounces](uint32_t first, uint32_t end, const TaskInputs& in) {
+                                return references(context, bounces, first, end, in.cancel);
+                              });
+  tasks.irradiance = addRange(graph, "vpl", "measure lights", Parameters(light).add(c.lights, c.type ? int(*c.type) : 0, c.seed), texels, kMeasuredPerTask, rays, {tasks.lights},
+                              [&context](uint32_t first, uint32_t end, const TaskInputs& in) { return irradiance(context, readVplResult(*in.inputs[0]).lights, first, end, in.cancel); });
+  return tasks;
+}
+
+MeasuredError measureVpl(const BakeContext& context, const VplSettings& settings, std::span<const Blob> references, std::span<const Blob> irradiance) {
+  const transport::MeasuredTexels texels = texelsFor(context);
+  const auto joined = [&](std::span<const Blob> parts, size_t maps) {
+    std::vector<std::vector<Rgb>> joined_rgb(maps);
+    for (const Blob& part : parts) {
+      ByteReader reader(*part);
+      for (auto& values : joined_rgb) {
+        const auto some = reader.array<Rgb>();
+        values.insert(values.end(), some.begin(), some.end());
+      }
+    }
+    for (const auto& values : joined_rgb) transport::require(values.size() == texels.slot.size());
+    return joined_rgb;
+  };
+  const auto lights_rgb = joined(irradiance, 2);
+  const auto error = transport::compareWithReferences(joined(references, transport::kMeasuringReferences), {lights_rgb[0], lights_rgb[1]}, texels.weight);
+  const std::string reflected = settings.paths.bounces ? "light reflected up to " + std::to_string(settings.paths.bounces) + " times" : "reflected light";
+  return {error, (context.facts().has_emitters ? "emitters' and " : "") + reflected + ", path-traced at " + std::to_string(error.texels) + " texels"};
 }
 
 VplResult readVplResult(ByteView bytes) {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "precompute/bake/context.h"
+#include "precompute/bake/measured_error.h"
 #include "precompute/bake/task_graph.h"
 #include "precompute/transport/many_lights/virtual_lights.h"
 
@@ -15,8 +16,13 @@ struct VplSettings {
 /// For a bake's settings.
 VplSettings vplSettings(const plan::Settings& settings);
 
-/// The task that yields readVplResult's bytes. `context` must have a tracer and outlive the graph.
-TaskIndex addVplTasks(TaskGraph& graph, const BakeContext& context, const VplSettings& settings);
+struct VplTasks {
+  TaskIndex lights = 0;                // yields readVplResult's bytes
+  std::vector<TaskIndex> references;   // what its error is measured with: path-traced light at a sample of texels,
+  std::vector<TaskIndex> irradiance;   // and what the lights give to the same; or none
+};
+/// `context` must have a tracer and outlive the graph. `measure`: the error is wanted.
+VplTasks addVplTasks(TaskGraph& graph, const BakeContext& context, const VplSettings& settings, bool measure);
 
 struct VplResult {
   uint64_t points = 0;  // that the lights stand for
@@ -24,5 +30,8 @@ struct VplResult {
 };
 /// Throws std::runtime_error for other bytes.
 VplResult readVplResult(ByteView bytes);
+
+/// The error of the light that virtual lights hold: emitters' own and all that was reflected. The results of the measuring tasks, in their order.
+MeasuredError measureVpl(const BakeContext& context, const VplSettings& settings, std::span<const Blob> references, std::span<const Blob> irradiance);
 
 }  // namespace lightwell::bake

@@ -12,9 +12,15 @@ constexpr double kDark = 0.1;         // of the mean: what a dark texel's error 
 constexpr double kUnlitShare = 1e-4;  // of the mean: a texel is lit when the mean of its channels is above this
 constexpr double kDeviations = 2.0;   // of a normal distribution: 95.4 % lie within
 constexpr double kOutside = 0.05;     // chance that an interval does not hold the true value
-constexpr double kPriorNoise = 4.0;   // texels' noise is known from so many values besides its own: from what all texels have in common
+constexpr double kPriorNoise = 1.0;   // what all texels have in common says so much of a texel's noise, compared with the scatter of its own references
+constexpr double kMedianVariance = 0.789;  // median of the variance of four values, in true variances
 
 double signedRoot(double square) { return std::copysign(std::sqrt(std::abs(square)), square); }
+
+double medianOf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
+}
 
 /// What one lit texel adds to the sums.
 struct Sums {
@@ -70,9 +76,11 @@ struct Maximum {
 };
 
 Maximum largest(std::vector<Difference>& differences) {
-  double noise = 0, values = double(differences.size());
-  for (const Difference& d : differences) noise += d.variance / (d.scale2 * values);
-  for (Difference& d : differences) d.variance = (d.variance + kPriorNoise * noise * d.scale2) / (1 + kPriorNoise);
+  const double values = double(differences.size());
+  std::vector<double> relative;
+  for (const Difference& d : differences) relative.push_back(d.variance / d.scale2);
+  const double common = medianOf(std::move(relative)) / kMedianVariance;
+  for (Difference& d : differences) d.variance = (d.variance + kPriorNoise * common * d.scale2) / (1 + kPriorNoise);
   // Found with one half, measured with the other: the largest of many noisy values is too large.
   Maximum maximum;
   double variance = 0;
@@ -129,11 +137,6 @@ struct Values {
     return d;
   }
 };
-
-double medianOf(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
-}
 
 /// How many of `count` values in order lie outside of the interval for their median, at either end: the chance of fewer than that many below the true median is that of so few heads among as many
 /// coins. `count` when no interval is sure enough.

@@ -1,6 +1,7 @@
 /* The public headers are C99 and need nothing before them. */
 #include "lightwell/lightwell_gl_dynamic.h"
 #include "lightwell/lightwell_gl_vpl.h"
+#include "lightwell/lightwell_error.h"
 #include "lightwell/lightwell_gl.h"
 #include "lightwell/lightwell.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "precompute/core/random.h"
+#include "precompute/transport/lambert.h"
 
 namespace lightwell::transport {
 namespace {
@@ -49,28 +50,11 @@ PlainEmitters::PlainEmitters(const scene::Scene& scene) {
 
 float PlainEmitters::irradiance(uint32_t index, const Vec3& position, const Vec3& normal) const {
   const Triangle& emitter = triangles_[index];
-  const Vec3d at(position), up(normal);
+  const Vec3d at(position);
   const double height = (at - emitter.corner[0]).dot(emitter.normal);
   if (emitter.double_sided ? std::abs(height) < kTouching * emitter.size : height < kTouching * emitter.size) return 0.0f;
-  // What is above the horizon.
-  std::array<Vec3d, 4> corner;
-  size_t corners = 0;
-  for (size_t i = 0; i < 3; ++i) {
-    const Vec3d a = emitter.corner[i] - at, b = emitter.corner[(i + 1) % 3] - at;
-    const double za = a.dot(up), zb = b.dot(up);
-    if (za >= 0) corner[corners++] = a;
-    if ((za < 0) != (zb < 0) && corners < 4) corner[corners++] = a + (b - a) * (za / (za - zb));
-  }
-  if (corners < 3) return 0.0f;
-  double sum = 0;
-  for (size_t i = 0; i < corners; ++i) {
-    const Vec3d& a = corner[i];
-    const Vec3d& b = corner[(i + 1) % corners];
-    const Vec3d cross = a.cross(b);
-    const double length = cross.length();
-    if (length > 0) sum += std::atan2(length, a.dot(b)) * (cross.dot(up) / length);
-  }
-  return float(std::clamp(std::abs(sum) / 2, 0.0, double(kPi)));
+  const std::array<Vec3d, 3> corners = {emitter.corner[0] - at, emitter.corner[1] - at, emitter.corner[2] - at};
+  return float(polygonIrradiance(corners, Vec3d(normal)));
 }
 
 PlainEmitters::Sample PlainEmitters::sample(uint32_t index, const Vec3& position, const Vec3& normal, const Vec2& u) const {
