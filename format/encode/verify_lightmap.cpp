@@ -16,6 +16,7 @@ void verifyLightmap(VerifyContext& context) {
   v1::LightmapHeader header;
   if (!context.loadMessage(kSection, "header", header)) return;
   if (header.texels() == 0) return context.report(IssueId::header_value, kSection, "header", "there are no texels");
+  if (header.unit() != 0 && !(header.unit() >= 0x1p-126f && header.unit() <= 0x1p126f)) context.report(IssueId::header_value, kSection, "header", "the unit is out of range");
   const uint64_t texels = header.texels();
   if (header.has_direct()) context.load<uint32_t>(kSection, "direct", ElementType::rgb9e5, {texels});
   if (header.has_indirect()) context.load<uint32_t>(kSection, "indirect", ElementType::rgb9e5, {texels});

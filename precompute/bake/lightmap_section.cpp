@@ -9,12 +9,22 @@ namespace {
 
 constexpr float kMostGradient = 4;  // docs/format.md
 
+/// Shared exponents reach over twelve decades: 1 where all light fits into them with room below; else the power of two that puts the brightest value near their top.
+float unitFor(const transport::Lightmap& lightmap) {
+  constexpr float kDimmest = 0x1p-8f;
+  float most = 0;
+  for (const auto* values_rgb : {&lightmap.direct_rgb, &lightmap.indirect_rgb})
+    for (const Rgb& value : *values_rgb) most = std::max(most, maxComponent(value));
+  if (!(most > 0) || (most >= kDimmest && most <= format::kRgb9e5Max)) return 1;
+  return std::ldexp(1.0f, std::max(std::ilogb(most) - 14, -126));
+}
+
 /// Shared exponents; empty when all values are zero.
-std::vector<uint32_t> packed(std::span<const Rgb> values_rgb) {
+std::vector<uint32_t> packed(std::span<const Rgb> values_rgb, float unit) {
   std::vector<uint32_t> result;
   bool lit = false;
   for (const Rgb& value : values_rgb) {
-    result.push_back(format::packRgb9e5({value.x, value.y, value.z}));
+    result.push_back(format::packRgb9e5({value.x / unit, value.y / unit, value.z / unit}));
     lit |= result.back() != 0;
   }
   if (!lit) result.clear();
@@ -37,8 +47,10 @@ std::vector<int8_t> packedGradients(std::span<const Vec3> gradients) {
 }  // namespace
 
 void addLightmapSection(format::Writer& writer, const transport::Lightmap& lightmap, const atlas::Atlas& atlas) {
-  const auto direct = packed(lightmap.direct_rgb), indirect = packed(lightmap.indirect_rgb);
+  const float unit = unitFor(lightmap);
+  const auto direct = packed(lightmap.direct_rgb, unit), indirect = packed(lightmap.indirect_rgb, unit);
   v1::LightmapHeader header;
+  if (unit != 1) header.set_unit(unit);
   header.set_texels(uint32_t(atlas.slots.size()));
   header.set_has_direct(!direct.empty());
   header.set_has_indirect(!indirect.empty());

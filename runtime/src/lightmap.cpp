@@ -2,6 +2,7 @@
 #include "runtime/src/lightmap.h"
 
 #include <algorithm>
+#include <cfloat>
 #include <cstring>
 
 #include "format/decode/pixel.h"
@@ -21,6 +22,7 @@ lw_result load(const lw_container& container, lw_lightmap& map) {
   if (const lw_result result = decodeChunk(container, *chunk, message)) return result;
   if (!format::parseLightmapHeader(message.data(), message.size(), map.header)) return badSection(container, *chunk, "it is not a valid message");
   if (map.header.texels == 0) return badSection(container, *chunk, "it has no texels");
+  if (!(map.header.unit >= 0x1p-126f && map.header.unit <= 0x1p126f)) return badSection(container, *chunk, "its unit is out of range");
 
   format::AtlasHeader atlas;
   if (const lw_result result = readAtlasHeader(container, atlas)) return result;
@@ -48,10 +50,11 @@ struct Values {
   float v[3] = {0, 0, 0};
 };
 
-Values lightAt(const Array<uint32_t>& packed, size_t index) {
+Values lightAt(const lw_lightmap& map, const Array<uint32_t>& packed, size_t index) {
   if (packed.empty()) return {};
   const auto value = format::unpackRgb9e5(packed[index]);
-  return {{value.x, value.y, value.z}};
+  const auto scaled = [&](float v) { return std::min(v * map.header.unit, FLT_MAX / 4); };  // two of them are added, and tilted
+  return {{scaled(value.x), scaled(value.y), scaled(value.z)}};
 }
 
 Values gradientAt(const Array<int8_t>& packed, size_t index) {
@@ -61,8 +64,8 @@ Values gradientAt(const Array<int8_t>& packed, size_t index) {
   return gradient;
 }
 
-void add(const Array<uint32_t>& packed, size_t index, float* rgb) {
-  const Values light = lightAt(packed, index);
+void add(const lw_lightmap& map, const Array<uint32_t>& packed, size_t index, float* rgb) {
+  const Values light = lightAt(map, packed, index);
   for (int c = 0; c < 3; ++c) rgb[c] += light.v[c];
 }
 
@@ -120,8 +123,8 @@ lw_result lw_lightmap_shade(const lw_lightmap* map, const lw_lightmap_shading* g
   std::memset(atlas_rgba, 0, map->source.size() * 4 * sizeof(float));
   for (size_t i = 0; i < map->texel.size(); ++i) {
     float* texel = atlas_rgba + size_t(map->texel[i]) * 4;
-    if (shading.light & LW_LIGHTMAP_DIRECT) add(map->direct, i, texel);
-    if (shading.light & LW_LIGHTMAP_INDIRECT) add(map->indirect, i, texel);
+    if (shading.light & LW_LIGHTMAP_DIRECT) add(*map, map->direct, i, texel);
+    if (shading.light & LW_LIGHTMAP_INDIRECT) add(*map, map->indirect, i, texel);
     texel[3] = 1.0f;
   }
   if (shading.fill) fillFromSources(map->source.data(), map->source.size(), atlas_rgba);
@@ -134,8 +137,8 @@ lw_result lw_lightmap_shade_gradients(const lw_lightmap* map, const lw_lightmap_
   if (const lw_result result = readShading(*map, given, shading)) return result;
   std::memset(atlas_xyz, 0, map->source.size() * 3 * sizeof(float));
   for (size_t i = 0; i < map->texel.size(); ++i) {
-    const float direct = shading.light & LW_LIGHTMAP_DIRECT ? luminance(lightAt(map->direct, i)) : 0.0f;
-    const float indirect = shading.light & LW_LIGHTMAP_INDIRECT ? luminance(lightAt(map->indirect, i)) : 0.0f;
+    const float direct = shading.light & LW_LIGHTMAP_DIRECT ? luminance(lightAt(*map, map->direct, i)) : 0.0f;
+    const float indirect = shading.light & LW_LIGHTMAP_INDIRECT ? luminance(lightAt(*map, map->indirect, i)) : 0.0f;
     if (!(direct + indirect > 0.0f)) continue;
     const Values a = gradientAt(map->direct_gradient, i), b = gradientAt(map->indirect_gradient, i);
     for (int k = 0; k < 3; ++k) atlas_xyz[3 * size_t(map->texel[i]) + k] = (direct * a.v[k] + indirect * b.v[k]) / (direct + indirect);
@@ -159,7 +162,7 @@ lw_result lw_lightmap_irradiance(const lw_lightmap* map, const lw_lightmap_shadi
   if (found == end || *found != texel) return LW_OK;
   const size_t i = size_t(found - map->texel.data());
   const float tilt[3] = {normal[0] - surface_normal[0], normal[1] - surface_normal[1], normal[2] - surface_normal[2]};
-  if (shading.light & LW_LIGHTMAP_DIRECT) addTilted(lightAt(map->direct, i), gradientAt(map->direct_gradient, i), tilt, rgb);
-  if (shading.light & LW_LIGHTMAP_INDIRECT) addTilted(lightAt(map->indirect, i), gradientAt(map->indirect_gradient, i), tilt, rgb);
+  if (shading.light & LW_LIGHTMAP_DIRECT) addTilted(lightAt(*map, map->direct, i), gradientAt(map->direct_gradient, i), tilt, rgb);
+  if (shading.light & LW_LIGHTMAP_INDIRECT) addTilted(lightAt(*map, map->indirect, i), gradientAt(map->indirect_gradient, i), tilt, rgb);
   return LW_OK;
 }

@@ -1,6 +1,7 @@
 // Each invariant of the section lightmap, broken once: verify names the chunk and the issue, and nothing else is wrong with the file.
 #include <gtest/gtest.h>
 
+#include <cmath>
 
 #include "tests/format/breach.h"
 #include "tests/format/lightmap_content.h"
@@ -14,6 +15,8 @@ const std::vector<Breach>& breaches() {
   using C = LightmapContent;
   static const std::vector<Breach> all = {
       {"NoTexels", IssueId::header_value, "lightmap/header", [](C& c) { c.header.clear_texels(); }},
+      {"UnitNegative", IssueId::header_value, "lightmap/header", [](C& c) { c.header.set_unit(-1); }},
+      {"UnitInfinite", IssueId::header_value, "lightmap/header", [](C& c) { c.header.set_unit(HUGE_VALF); }},
       {"TexelOutside", IssueId::index_range, "lightmap/texel", [](C& c) { c.texel[2] = 16; }},
       {"TexelTwice", IssueId::order, "lightmap/texel", [](C& c) { c.texel[1] = 0; }},
       {"TexelUncovered", IssueId::cross_section, "lightmap/texel", [](C& c) { c.texel[2] = 5; }},

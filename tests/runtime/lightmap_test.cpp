@@ -1,6 +1,8 @@
 // Light maps at run time: what texels show, and damage.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/format/lightmap_content.h"
 #include "tests/runtime/support.h"
 
@@ -46,6 +48,34 @@ TEST(Lightmap, ShowsItsLightAndFillsFromSources) {
   shading.light = 4;
   EXPECT_EQ(lw_lightmap_shade(map.get(), &shading, atlas.data()), LW_INVALID_ARGUMENT);
   EXPECT_EQ(lw_lightmap_shade(nullptr, nullptr, atlas.data()), LW_INVALID_ARGUMENT);
+}
+
+TEST(Lightmap, AUnitTakesValuesBeyondThoseOfTheirEncoding) {
+  auto content = format::lightmapContent();
+  std::vector<float> atlas(16 * 4);
+  for (const float unit : {0x1p-100f, 0x1p-20f, 0x1p20f, 0x1p120f}) {
+    content.header.set_unit(unit);
+    const Container container = openMemory(format::toWriter(content).bytes());
+    const Map map = load(container.get());
+    ASSERT_EQ(lw_lightmap_shade(map.get(), nullptr, atlas.data()), LW_OK);
+    EXPECT_EQ(atlas[0], 5.0f * unit);
+    const float up[3] = {0, 1, 0};
+    float rgb[3];
+    ASSERT_EQ(lw_lightmap_irradiance(map.get(), nullptr, 0, 0, up, up, rgb), LW_OK);
+    EXPECT_EQ(rgb[1], 2.5f * unit);
+  }
+  content.direct[0] = content.indirect[0] = 0xffffffffu;  // the largest there is
+  content.header.set_unit(0x1p126f);
+  const Container container = openMemory(format::toWriter(content).bytes());
+  const Map map = load(container.get());
+  ASSERT_EQ(lw_lightmap_shade(map.get(), nullptr, atlas.data()), LW_OK);
+  EXPECT_TRUE(std::isfinite(atlas[0]));
+  for (const float unit : {-1.0f, 0x1p-130f, HUGE_VALF, NAN}) {
+    content.header.set_unit(unit);
+    const Container damaged = openMemory(format::toWriter(content).bytes());
+    lw_lightmap* none = nullptr;
+    EXPECT_EQ(lw_lightmap_load(damaged.get(), &none), LW_BAD_SECTION) << unit;
+  }
 }
 
 TEST(Lightmap, GradientsTiltTheNormalAndAreNeverNegative) {

@@ -246,7 +246,7 @@ typedef struct lw_gl_lightmap_options {
 } lw_gl_lightmap_options;
 #define LW_GL_LIGHTMAP_OPTIONS_INIT {sizeof(lw_gl_lightmap_options), LW_GL_ATLAS_RGBA16F, NULL}
 
-/* `lightmap` is not used afterwards. Fails with LW_LIMIT_EXCEEDED, LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT. */
+/* `lightmap` is not used afterwards. Fails with LW_LIMIT_EXCEEDED (a light beyond half floats, 65504 lux, too: LW_GL_ATLAS_RGBA32F takes it), LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT. */
 LW_API lw_result lw_gl_lightmap_create(lw_gl *gl, const lw_lightmap *lightmap, const lw_gl_lightmap_options *options, lw_gl_lightmap **gl_lightmap);
 LW_API void lw_gl_lightmap_destroy(lw_gl_lightmap *gl_lightmap);
 /* As lw_gl_prm_atlas_texture and lw_gl_prm_texture_bytes; 0 for NULL. */

@@ -1,4 +1,5 @@
 // A baked light map as a texture, and another of its gradients.
+#include <algorithm>
 #include <cmath>
 
 #include "runtime/src/gl/context.h"
@@ -31,6 +32,8 @@ vec3 lwLightmapIrradiance(sampler2D atlas, sampler2D gradients, vec2 lightmap_uv
 
 namespace {
 
+constexpr float kMostHalf = 65504.0f;
+
 /// `rgba`: the map as it is shown; alpha says which texels have a value.
 lw_result uploadGradients(lw_gl_lightmap& out, const lw_lightmap& map, const lw_gl_lightmap_options& options, const Array<float>& rgba) {
   const size_t texels = size_t(map.width) * map.height;
@@ -55,6 +58,10 @@ lw_result upload(lw_gl_lightmap& out, const lw_lightmap& map, const lw_gl_lightm
   Array<float> rgba;
   if (!rgba.allocate(out.host, size_t(map.width) * map.height * 4)) return out.host.fail(LW_OUT_OF_MEMORY, "no memory for the texels of the light map");
   if (const lw_result result = lw_lightmap_shade(&map, options.shading, rgba.data())) return result;
+  if (!full) {
+    const float most = *std::max_element(rgba.data(), rgba.data() + rgba.size());
+    if (most > kMostHalf) return out.host.fail(LW_LIMIT_EXCEEDED, "an irradiance of %g is more than half floats hold: LW_GL_ATLAS_RGBA32F does", double(most));
+  }
   // The driver rounds to halves.
   TexelFormat format = full ? kTexelRgba32f : kTexelRgba16f;
   format.type = kFloat;
