@@ -75,14 +75,14 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   if (plan.prm) {
     prm = assemblePrm(parts.prm, parts.blocks.of(in), parts.emitter.of(in));
     in.cancel.check();
-    if (const auto measured = measurePrm(context, *prm, parts.references.of(in))) addMeasuredError(meta, "prm", *measured);
+    if (const auto measured = measurePrm(context, *prm, parts.references.of(in), in.cancel)) addMeasuredError(meta, "prm", *measured);
     in.cancel.check();
     if (plan.prm_sky) sky = makeSkyPanes(context, settings, *prm, parts.sky.of(in), in.cancel);
   }
   std::optional<transport::RadiosityResult> radiosity;
   if (plan.radiosity) {
     radiosity = parts.radiosity->assemble(viewsOf(parts.radiosity_links.of(in)), context.threads(), &in.cancel);
-    if (const auto measured = measureRadiosity(context, *radiosity, parts.references.of(in))) addMeasuredError(meta, "radiosity", *measured);
+    if (const auto measured = measureRadiosity(context, *radiosity, parts.references.of(in), in.cancel)) addMeasuredError(meta, "radiosity", *measured);
     in.cancel.check();
   }
   std::optional<transport::ProbeResult> probes;
@@ -92,14 +92,14 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   if (plan.lightmap)
     lightmap = parts.lightmap->assemble(viewsOf(parts.lightmap_direct.of(in)), viewsOf(parts.lightmap_gathered.of(in)), context.threads(), in.cancel);
   if (const auto measured = viewsOf(parts.lightmap_measured.of(in)); lightmap && !measured.empty()) {
-    const auto error = parts.lightmap->measure(*lightmap, measured[0], std::span(measured).subspan(1));
+    const auto error = parts.lightmap->measure(*lightmap, measured[0], std::span(measured).subspan(1), in.cancel);
     addMeasuredError(meta, "lightmap", {error, "all light, path-traced at " + std::to_string(error.texels) + " texels"});
   }
   in.cancel.check();
   VplResult vpl;
   for (const Blob& result : parts.vpl.of(in)) vpl = readVplResult(*result);
   if (!vpl.lights.empty() && parts.vpl_references.count > 0)
-    addMeasuredError(meta, "vpl", measureVpl(context, vplSettings(settings), parts.vpl_references.of(in), parts.vpl_irradiance.of(in)));
+    addMeasuredError(meta, "vpl", measureVpl(context, vplSettings(settings), parts.vpl_references.of(in), parts.vpl_irradiance.of(in), in.cancel));
   if (plan.vpl && vpl.lights.empty()) {
     v1::Omitted* out = meta.add_omitted();
     out->set_type("vpl");

@@ -17,6 +17,7 @@ namespace {
 constexpr double kSolved = 1e-4;          // residual: far below what is measured
 constexpr uint32_t kMeasuredTexels = 1024;  // for each light others, so that lights tell of texels too
 constexpr uint64_t kLightSeed = 0x6c69676874ull;  // apart from the lights that bases are fitted to
+constexpr uint64_t kRetracedSeed = 0x6d6f7265ull;
 
 transport::PriorLight testLight(const BakeContext& context, uint32_t index) {
   return transport::samplePriorLights(context.scene(), context.atlas(), *context.tracer(), index + 1,
@@ -29,10 +30,32 @@ transport::MeasuredTexels texelsFor(const BakeContext& context, uint32_t light) 
   return transport::chooseTexels(even, kMeasuredTexels, combineKeys(combineKeys(context.settings().seed, kLightSeed), light));
 }
 
+/// What emitting surfaces give would hide the error under a moving light: the references see them dark.
+std::shared_ptr<const scene::Scene> darkScene(const BakeContext& context) {
+  if (!context.facts().has_emitters) return {&context.scene(), [](const scene::Scene*) {}};
+  auto copy = std::make_shared<scene::Scene>(context.scene());
+  for (auto& material : copy->materials) material.emissive = Rgb(0.0f);
+  return copy;
+}
+
+/// Independent maps of slots under test light `light`; `paths`: times as many as usual.
+std::vector<std::vector<Rgb>> traceReferences(const BakeContext& context, const scene::Scene& dark, uint32_t light, std::span<const uint32_t> slots, uint64_t seed, uint32_t paths, int threads,
+                                              const CancelFlag& cancel) {
+  std::vector<std::vector<Rgb>> maps_rgb;
+  for (uint64_t k = 1; k <= transport::kMeasuringReferences; ++k) {
+    transport::ReferenceOptions options{.samples = paths * transport::measuringPaths(context.atlas()), .threads = threads, .cancel = &cancel};
+    options.seed = combineKeys(combineKeys(combineKeys(context.settings().seed, seed), light), k);
+    maps_rgb.push_back(
+        transport::referenceIrradianceOf(slots, dark, context.atlas(), *context.tracer(), {testLight(context, light).light}, transport::Component::indirect, options).irradiance_rgb);
+  }
+  return maps_rgb;
+}
+
 /// Indirect irradiance per slot of the atlas, under one light.
 using IndirectLight = std::function<std::vector<Rgb>(const scene::Light&)>;
 
-std::optional<MeasuredError> measure(const BakeContext& context, std::span<const Blob> references, const IndirectLight& indirect) {
+std::optional<MeasuredError> measure(const BakeContext& context, std::span<const Blob> references, const CancelFlag& cancel, const IndirectLight& indirect) {
+  const auto dark = darkScene(context);
   std::vector<transport::PooledError> errors;
   std::vector<double> means;  // brightness under these lights
   for (uint32_t i = 0; i < references.size(); ++i) {
@@ -47,7 +70,12 @@ std::optional<MeasuredError> measure(const BakeContext& context, std::span<const
     const transport::MeasuredTexels texels = texelsFor(context, i);
     std::vector<Rgb> candidate_rgb;
     for (const uint32_t slot : texels.slot) candidate_rgb.push_back(indirect_rgb[slot]);
-    const auto error = transport::compareWithReferences(reference_rgb, candidate_rgb, texels.weight);
+    const auto retrace = [&](std::span<const uint32_t> some) {
+      std::vector<uint32_t> slots;
+      for (const uint32_t texel : some) slots.push_back(texels.slot[texel]);
+      return traceReferences(context, *dark, i, slots, kRetracedSeed, transport::kRetracedPaths, context.threads(), cancel);
+    };
+    const auto error = transport::compareWithReferences(reference_rgb, candidate_rgb, texels.weight, retrace);
     if (error.texels == 0 || !std::isfinite(error.relrmse) || !std::isfinite(error.texrel)) continue;
     errors.push_back(error);
     means.push_back(sum / double(texels.slot.size()));
@@ -83,13 +111,7 @@ void addMeasuredError(v1::MetaHeader& meta, const char* section, const MeasuredE
 std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& context, uint32_t lights) {
   std::vector<TaskIndex> tasks;
   if (lights == 0) return tasks;
-  // What emitting surfaces give would hide the error under a moving light: the references see them dark.
-  std::shared_ptr<const scene::Scene> dark(&context.scene(), [](const scene::Scene*) {});
-  if (context.facts().has_emitters) {
-    auto copy = std::make_shared<scene::Scene>(context.scene());
-    for (auto& material : copy->materials) material.emissive = Rgb(0.0f);
-    dark = copy;
-  }
+  const auto dark = darkScene(context);
   const uint32_t paths = transport::measuringPaths(context.atlas());
   const double rays = double(std::min<size_t>(context.atlas().slots.size(), kMeasuredTexels)) * transport::kMeasuringReferences * paths * transport::raysPerPath(context.atlas());
   for (uint32_t i = 0; i < lights; ++i)
@@ -99,25 +121,17 @@ std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& co
                                context.keys().reflection.hex() + " " + std::to_string(context.settings().seed) + " " + std::to_string(i),
                                {},
                                rays,
-                               [&context, dark, paths, i](const TaskInputs& in) {
-                                 const scene::Light light = testLight(context, i).light;
-                                 const transport::MeasuredTexels texels = texelsFor(context, i);
+                               [&context, dark, i](const TaskInputs& in) {
                                  ByteWriter writer;
-                                 for (uint64_t k = 1; k <= transport::kMeasuringReferences; ++k) {
-                                   transport::ReferenceOptions options{.samples = paths, .threads = 1, .cancel = &in.cancel};
-                                   options.seed = combineKeys(combineKeys(combineKeys(context.settings().seed, kLightSeed), i), k);
-                                   writer.array(transport::referenceIrradianceOf(texels.slot, *dark, context.atlas(), *context.tracer(), {light},
-                                                                                 transport::Component::indirect, options)
-                                                    .irradiance_rgb);
-                                 }
+                                 for (const auto& map_rgb : traceReferences(context, *dark, i, texelsFor(context, i).slot, kLightSeed, 1, 1, in.cancel)) writer.array(map_rgb);
                                  return writer.take();
                                }}));
   return tasks;
 }
 
-std::optional<MeasuredError> measurePrm(const BakeContext& context, const transport::PrmResult& prm, std::span<const Blob> references) {
+std::optional<MeasuredError> measurePrm(const BakeContext& context, const transport::PrmResult& prm, std::span<const Blob> references, const CancelFlag& cancel) {
   const atlas::Atlas& atlas = context.atlas();
-  return measure(context, references, [&](const scene::Light& light) {
+  return measure(context, references, cancel, [&](const scene::Light& light) {
     const auto values_rgb = transport::evaluatePrm(prm, transport::clusterIrradiance(prm.entries, *context.tracer(), light));
     std::vector<Rgb> indirect_rgb(atlas.slots.size(), Rgb(0.0f));
     for (size_t i = 0; i < prm.texel.size(); ++i) indirect_rgb[atlas.texel_slot[prm.texel[i]]] = values_rgb[i];
@@ -125,11 +139,12 @@ std::optional<MeasuredError> measurePrm(const BakeContext& context, const transp
   });
 }
 
-std::optional<MeasuredError> measureRadiosity(const BakeContext& context, const transport::RadiosityResult& radiosity, std::span<const Blob> references) {
+std::optional<MeasuredError> measureRadiosity(const BakeContext& context, const transport::RadiosityResult& radiosity, std::span<const Blob> references,
+                                              const CancelFlag& cancel) {
   const atlas::Atlas& atlas = context.atlas();
   const transport::Sides sides = transport::surfaceSides(atlas);
   const std::vector<Rgb> dark(radiosity.patches.count(), Rgb(0.0f));
-  return measure(context, references, [&](const scene::Light& light) {
+  return measure(context, references, cancel, [&](const scene::Light& light) {
     std::vector<Rgb> direct_rgb;
     for (const float irradiance :
          transport::patchIrradiance(context.scene(), atlas, *context.tracer(), sides, radiosity.patches, light, context.settings().seed))

@@ -22,8 +22,9 @@ void addMeasuredError(v1::MetaHeader& meta, const char* section, const MeasuredE
 /// `context` must have a tracer and outlive the graph.
 std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& context, uint32_t lights);
 
-/// Compares what was baked with the results of these tasks. Nothing when there are none, or no light reaches the sampled texels.
-std::optional<MeasuredError> measurePrm(const BakeContext& context, const transport::PrmResult& prm, std::span<const Blob> references);
-std::optional<MeasuredError> measureRadiosity(const BakeContext& context, const transport::RadiosityResult& radiosity, std::span<const Blob> references);
+/// Compares what was baked with the results of these tasks. Nothing when there are none, or no light reaches the sampled texels. Traces a few texels again. Throw Cancelled.
+std::optional<MeasuredError> measurePrm(const BakeContext& context, const transport::PrmResult& prm, std::span<const Blob> references, const CancelFlag& cancel);
+std::optional<MeasuredError> measureRadiosity(const BakeContext& context, const transport::RadiosityResult& radiosity, std::span<const Blob> references,
+                                              const CancelFlag& cancel);
 
 }  // namespace lightwell::bake

@@ -69,7 +69,7 @@ nlohmann::json errorJson(const v1::MeasuredError& e) {
   if (e.relrmse_high() > 0) error["relrmse_interval"] = {e.relrmse_low(), e.relrmse_high()};
   if (e.texrel_high() > 0) error["texrel_interval"] = {e.texrel_low(), e.texrel_high()};
   if (e.bias_low() != 0 || e.bias_high() != 0) error["bias_interval"] = {e.bias_low(), e.bias_high()};
-  if (e.maximum() > 0) error["maximum"] = e.maximum();
+  if (e.maximum() > 0 || e.maximum_high() > 0) error["maximum"] = e.maximum();
   if (e.maximum_high() > 0) error["maximum_interval"] = {e.maximum_low(), e.maximum_high()};
   if (e.texels() > 0) error["texels"] = e.texels();
   if (e.seconds() > 0) error["seconds"] = e.seconds();

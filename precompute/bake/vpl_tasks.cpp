@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint32_t kPathsPerTask = 16384;
 constexpr uint32_t kMeasuredTexels = 512, kMeasuredPerTask = 64;
-constexpr uint64_t kReferenceSeed = 0x76706cull, kLookSeed = 0x6c6f6f6bull;  // apart from all other seeds
+constexpr uint64_t kReferenceSeed = 0x76706cull, kLookSeed = 0x6c6f6f6bull, kRetracedSeed = 0x6d6f7265ull;  // apart from all other seeds
 constexpr uint32_t kPathsPerLight = 100, kFewestPaths = 20000, kMostPaths = 1u << 22;
 
 uint32_t lightsFor(plan::Quality quality) {
@@ -51,25 +51,22 @@ transport::MeasuredTexels texelsFor(const BakeContext& context) {
   return transport::chooseTexels(even, kMeasuredTexels, combineKeys(context.settings().seed, kReferenceSeed));
 }
 
-/// All that was reflected, and emitters' own light: what lamps and the sky give straight is not in the lights.
-Bytes references(const BakeContext& context, uint32_t bounces, uint32_t first, uint32_t end, const CancelFlag& cancel) {
-  const transport::MeasuredTexels texels = texelsFor(context);
-  const auto slots = std::span(texels.slot).subspan(first, end - first);
+/// Independent maps of all that was reflected, and of emitters' own light: what lamps and the sky give straight is not in the lights. `paths`: times as many as usual.
+std::vector<std::vector<Rgb>> traceReferences(const BakeContext& context, uint32_t bounces, std::span<const uint32_t> slots, uint64_t seed, uint32_t paths, int threads, const CancelFlag& cancel) {
   const scene::Scene& scene = context.scene();
-  ByteWriter writer;
+  std::vector<std::vector<Rgb>> maps_rgb;
   for (uint64_t k = 1; k <= transport::kMeasuringReferences; ++k) {
-    transport::ReferenceOptions options{.samples = transport::measuringPaths(context.atlas()), .threads = 1, .sky = context.skyLight(), .cancel = &cancel};
-    options.seed = combineKeys(combineKeys(context.settings().seed, kReferenceSeed), k);
+    transport::ReferenceOptions options{.samples = paths * transport::measuringPaths(context.atlas()), .threads = threads, .sky = context.skyLight(), .cancel = &cancel};
+    options.seed = combineKeys(combineKeys(context.settings().seed, seed), k);
     if (bounces) options.most_bounces = bounces;
-    auto light = transport::referenceIrradianceOf(slots, scene, context.atlas(), *context.tracer(), scene.lights, transport::Component::indirect, options).irradiance_rgb;
-    if (context.facts().has_emitters) {
-      options.sky = nullptr;
-      const auto direct = transport::referenceIrradianceOf(slots, scene, context.atlas(), *context.tracer(), {}, transport::Component::direct, options).irradiance_rgb;
-      for (size_t i = 0; i < light.size(); ++i) light[i] += direct[i];
-    }
-    writer.array(light);
+    auto& light_rgb = maps_rgb.emplace_back(
+        transport::referenceIrradianceOf(slots, scene, context.atlas(), *context.tracer(), scene.lights, transport::Component::indirect, options).irradiance_rgb);
+    if (!context.facts().has_emitters) continue;
+    options.sky = nullptr;
+    const auto direct = transport::referenceIrradianceOf(slots, scene, context.atlas(), *context.tracer(), {}, transport::Component::direct, options).irradiance_rgb;
+    for (size_t i = 0; i < light_rgb.size(); ++i) light_rgb[i] += direct[i];
   }
-  return writer.take();
+  return maps_rgb;
 }
 
 /// Twice, independently.
@@ -130,14 +127,18 @@ VplTasks addVplTasks(TaskGraph& graph, const BakeContext& context, const VplSett
   const double rays = transport::kMeasuringReferences * transport::measuringPaths(context.atlas()) * transport::raysPerPath(context.atlas());
   tasks.references = addRange(graph, "vpl", "measure", Parameters(context.keys().surfaces).add(context.keys().lights).add(context.skyKey()).add(settings.paths.bounces, settings.paths.seed), texels,
                               kMeasuredPerTask, rays, {}, [&context, bounces = settings.paths.bounces](uint32_t first, uint32_t end, const TaskInputs& in) {
-                                return references(context, bounces, first, end, in.cancel);
+                                const transport::MeasuredTexels chosen = texelsFor(context);
+                                ByteWriter writer;
+                                for (const auto& map_rgb : traceReferences(context, bounces, std::span(chosen.slot).subspan(first, end - first), kReferenceSeed, 1, 1, in.cancel))
+                                  writer.array(map_rgb);
+                                return writer.take();
                               });
   tasks.irradiance = addRange(graph, "vpl", "measure lights", Parameters(light).add(c.lights, c.type ? int(*c.type) : 0, c.seed), texels, kMeasuredPerTask, rays, {tasks.lights},
                               [&context](uint32_t first, uint32_t end, const TaskInputs& in) { return irradiance(context, readVplResult(*in.inputs[0]).lights, first, end, in.cancel); });
   return tasks;
 }
 
-MeasuredError measureVpl(const BakeContext& context, const VplSettings& settings, std::span<const Blob> references, std::span<const Blob> irradiance) {
+MeasuredError measureVpl(const BakeContext& context, const VplSettings& settings, std::span<const Blob> references, std::span<const Blob> irradiance, const CancelFlag& cancel) {
   const transport::MeasuredTexels texels = texelsFor(context);
   const auto joined = [&](std::span<const Blob> parts, size_t maps) {
     std::vector<std::vector<Rgb>> joined_rgb(maps);
@@ -152,7 +153,12 @@ MeasuredError measureVpl(const BakeContext& context, const VplSettings& settings
     return joined_rgb;
   };
   const auto lights_rgb = joined(irradiance, 2);
-  const auto error = transport::compareWithReferences(joined(references, transport::kMeasuringReferences), {lights_rgb[0], lights_rgb[1]}, texels.weight);
+  const auto retrace = [&](std::span<const uint32_t> some) {
+    std::vector<uint32_t> slots;
+    for (const uint32_t texel : some) slots.push_back(texels.slot[texel]);
+    return traceReferences(context, settings.paths.bounces, slots, kRetracedSeed, transport::kRetracedPaths, context.threads(), cancel);
+  };
+  const auto error = transport::compareWithReferences(joined(references, transport::kMeasuringReferences), {lights_rgb[0], lights_rgb[1]}, texels.weight, retrace);
   const std::string reflected = settings.paths.bounces ? "light reflected up to " + std::to_string(settings.paths.bounces) + " times" : "reflected light";
   return {error, (context.facts().has_emitters ? "emitters' and " : "") + reflected + ", path-traced at " + std::to_string(error.texels) + " texels"};
 }

@@ -31,7 +31,7 @@ struct VplResult {
 /// Throws std::runtime_error for other bytes.
 VplResult readVplResult(ByteView bytes);
 
-/// The error of the light that virtual lights hold: emitters' own and all that was reflected. The results of the measuring tasks, in their order.
-MeasuredError measureVpl(const BakeContext& context, const VplSettings& settings, std::span<const Blob> references, std::span<const Blob> irradiance);
+/// The error of the light that virtual lights hold: emitters' own and all that was reflected. The results of the measuring tasks, in their order; a few texels are traced again. Throws Cancelled.
+MeasuredError measureVpl(const BakeContext& context, const VplSettings& settings, std::span<const Blob> references, std::span<const Blob> irradiance, const CancelFlag& cancel);
 
 }  // namespace lightwell::bake

@@ -13,6 +13,7 @@ constexpr double kUnlitShare = 1e-4;  // of the mean: a texel is lit when the me
 constexpr double kDeviations = 2.0;   // of a normal distribution: 95.4 % lie within
 constexpr double kOutside = 0.05;     // chance that an interval does not hold the true value
 constexpr double kPriorNoise = 1.0;   // what all texels have in common says so much of a texel's noise, compared with the scatter of its own references
+constexpr size_t kRetracedTexels = 32;
 constexpr double kMedianVariance = 0.789;  // median of the variance of four values, in true variances
 
 double signedRoot(double square) { return std::copysign(std::sqrt(std::abs(square)), square); }
@@ -27,6 +28,7 @@ struct Sums {
   double weight = 1;
   double square = 0, relative = 0, reference_square = 0;  // over the channels
   double candidate = 0, reference = 0;
+  double one = 1;
 };
 
 struct Ratio {
@@ -62,81 +64,119 @@ Ratio ratioOfSums(std::span<const Sums> texels, double Sums::*above, double Sums
 
 Interval rootOf(const Interval& squares) { return {std::sqrt(std::max(0.0, squares.low)), std::sqrt(std::max(0.0, squares.high))}; }
 
-/// How far a channel of a texel is off, by each half of what is known of it, and the variance of each half.
-struct Difference {
-  double half[2] = {0, 0};
-  double scale2 = 0;    // what noise is about proportional to
-  double variance = 0;  // of the mean of both
-  double mean() const { return (half[0] + half[1]) / 2; }
-};
-
-struct Maximum {
-  double value = 0;
-  Interval interval_95;
-};
-
-Maximum largest(std::vector<Difference>& differences) {
-  const double values = double(differences.size());
-  std::vector<double> relative;
-  for (const Difference& d : differences) relative.push_back(d.variance / d.scale2);
-  const double common = medianOf(std::move(relative)) / kMedianVariance;
-  for (Difference& d : differences) d.variance = (d.variance + kPriorNoise * common * d.scale2) / (1 + kPriorNoise);
-  // Found with one half, measured with the other: the largest of many noisy values is too large.
-  Maximum maximum;
-  double variance = 0;
-  for (const int finds : {0, 1}) {
-    const Difference& found = *std::max_element(differences.begin(), differences.end(),
-                                                [&](const Difference& a, const Difference& b) { return std::abs(a.half[finds]) < std::abs(b.half[finds]); });
-    maximum.value += std::copysign(found.half[1 - finds], found.half[1 - finds] * found.half[finds]) / 2;
-    variance += 2 * found.variance / 4;
-  }
-  maximum.interval_95.low = std::max(0.0, maximum.value - kDeviations * std::sqrt(variance));
-  // Chernoff's bound for the normal distribution, half of the chance, shared by all values.
-  const double deviations = std::sqrt(2 * std::log(values * 2 / kOutside));
-  for (const Difference& d : differences) maximum.interval_95.high = std::max(maximum.interval_95.high, std::abs(d.mean()) + deviations * std::sqrt(d.variance));
-  maximum.value = std::clamp(maximum.value, maximum.interval_95.low, maximum.interval_95.high);
-  return maximum;
-}
-
 /// Candidate and references of one texel and channel.
 struct Values {
   std::span<const std::vector<Rgb>> references;
-  const std::array<std::span<const Rgb>, 2>& candidate;
-  size_t texel;
+  size_t texel;       // in the references
+  double v, w;        // two estimates of the candidate, or twice the same
   int channel;
 
   double reference(size_t i) const { return references[i][texel][channel]; }
-  double of(size_t half) const { return candidate[half][texel][channel]; }
-
-  void addTo(Sums& sums, double sum, double dark) const {
+  double sum() const {
+    double all = 0;
+    for (size_t i = 0; i < references.size(); ++i) all += reference(i);
+    return all;
+  }
+  void addTo(Sums& sums, double dark) const {
     const size_t count = references.size();
-    const double pairs = double(count * (count - 1) / 2), v = of(0), w = of(1);
+    const double pairs = double(count * (count - 1) / 2), all = sum();
     sums.candidate += (v + w) / 2;
-    sums.reference += sum / double(count);
+    sums.reference += all / double(count);
     for (size_t i = 0; i < count; ++i)
       for (size_t j = i + 1; j < count; ++j) {
-        const double a = reference(i), b = reference(j), others = (sum - a - b) / double(count - 2);
+        const double a = reference(i), b = reference(j), others = (all - a - b) / double(count - 2);
         const double product = ((v - a) * (w - b) + (w - a) * (v - b)) / (2 * pairs), scale = std::max(others, 0.0) + dark;
         sums.square += product;
         sums.relative += product / (3 * scale * scale);
         sums.reference_square += a * b / pairs;
       }
   }
-  Difference difference(double sum, double dark) const {
-    const size_t count = references.size(), first = count / 2;
-    const double mean = sum / double(count);
-    double part = 0, scatter = 0;
-    for (size_t i = 0; i < count; ++i) {
-      if (i < first) part += reference(i);
-      scatter += (reference(i) - mean) * (reference(i) - mean);
-    }
-    Difference d;
-    d.half[0] = of(0) - part / double(first), d.half[1] = of(1) - (sum - part) / double(count - first);
-    d.scale2 = (std::max(mean, 0.0) + dark) * (std::max(mean, 0.0) + dark);
-    d.variance = scatter / double(count * (count - 1)) + (of(0) - of(1)) * (of(0) - of(1)) / 4;
-    return d;
-  }
 };
+
+/// How far a channel of a texel is off, by each half of what is known of it, and the variances of the mean of both.
+struct Difference {
+  uint32_t texel = 0;
+  double half[2] = {0, 0};
+  double scale2 = 0;  // what noise is about proportional to
+  double of_references = 0, of_candidate = 0;
+  double mean() const { return (half[0] + half[1]) / 2; }
+};
+
+Difference differenceOf(const Values& values, uint32_t texel, double dark) {
+  const size_t count = values.references.size(), first = count / 2;
+  const double all = values.sum(), mean = all / double(count), scale = std::max(mean, 0.0) + dark;
+  double part = 0, scatter = 0;
+  for (size_t i = 0; i < count; ++i) {
+    if (i < first) part += values.reference(i);
+    scatter += (values.reference(i) - mean) * (values.reference(i) - mean);
+  }
+  return {.texel = texel,
+          .half = {values.v - part / double(first), values.w - (all - part) / double(count - first)},
+          .scale2 = scale * scale,
+          .of_references = scatter / double(count * (count - 1)),
+          .of_candidate = (values.v - values.w) * (values.v - values.w) / 4};
+}
+
+struct Maximum {
+  double value = 0;
+  Interval interval_95;
+};
+
+/// Found with one half, measured with the other: the largest of many noisy values is too large.
+class MaximumOf {
+ public:
+  explicit MaximumOf(std::span<const Difference> differences) {
+    std::vector<double> relative;
+    for (const Difference& d : differences) relative.push_back(d.of_references / d.scale2);
+    common_ = medianOf(std::move(relative)) / kMedianVariance;
+    // Chernoff's bound for the normal distribution, half of the chance, shared by all values.
+    deviations_ = std::sqrt(2 * std::log(double(differences.size()) * 2 / kOutside));
+  }
+  /// `paths`: how many times as many as the references had that the common noise is from.
+  double variance(const Difference& d, double paths) const {
+    return (d.of_references + kPriorNoise * common_ / paths * d.scale2) / (1 + kPriorNoise) + d.of_candidate;
+  }
+  double most(const Difference& d, double paths) const { return std::abs(d.mean()) + deviations_ * std::sqrt(variance(d, paths)); }
+
+  /// The largest of `looked_at`; `others` are below `most_of_others`.
+  Maximum operator()(std::span<const Difference> looked_at, double paths, double most_of_others) const {
+    Maximum maximum{.interval_95 = {0, most_of_others}};
+    double deviation2 = 0;
+    for (const int finds : {0, 1}) {
+      const Difference& found = *std::max_element(looked_at.begin(), looked_at.end(),
+                                                  [&](const Difference& a, const Difference& b) { return std::abs(a.half[finds]) < std::abs(b.half[finds]); });
+      maximum.value += std::copysign(found.half[1 - finds], found.half[0] * found.half[1]) / 2;
+      deviation2 += variance(found, paths) / 2;
+    }
+    for (const Difference& d : looked_at) maximum.interval_95.high = std::max(maximum.interval_95.high, most(d, paths));
+    maximum.interval_95.low = std::clamp(maximum.value - kDeviations * std::sqrt(deviation2), 0.0, maximum.interval_95.high);
+    maximum.value = std::clamp(maximum.value, maximum.interval_95.low, maximum.interval_95.high);
+    return maximum;
+  }
+
+ private:
+  double common_ = 0, deviations_ = 0;
+};
+
+/// The texels where most is possible are looked at again, in the light of `retrace`.
+Maximum largest(std::span<const Difference> differences, const std::array<std::span<const Rgb>, 2>& candidate, double dark, const Retrace& retrace) {
+  const MaximumOf maximum(differences);
+  if (!retrace) return maximum(differences, 1, 0);
+  std::vector<std::pair<double, uint32_t>> most;  // per texel, the largest first
+  for (const Difference& d : differences) {
+    const double value = maximum.most(d, 1);
+    if (most.empty() || most.back().second != d.texel) most.push_back({value, d.texel});
+    else most.back().first = std::max(most.back().first, value);
+  }
+  std::stable_sort(most.begin(), most.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<uint32_t> texels;
+  for (size_t i = 0; i < std::min(kRetracedTexels, most.size()); ++i) texels.push_back(most[i].second);
+  const auto references = retrace(texels);
+  std::vector<Difference> again;
+  for (size_t i = 0; i < texels.size(); ++i)
+    for (int c = 0; c < 3; ++c) again.push_back(differenceOf({references, i, candidate[0][texels[i]][c], candidate[1][texels[i]][c], c}, texels[i], dark));
+  return maximum(again, kRetracedPaths, texels.size() < most.size() ? most[texels.size()].first : 0);
+}
 
 /// How many of `count` values in order lie outside of the interval for their median, at either end: the chance of fewer than that many below the true median is that of so few heads among as many
 /// coins. `count` when no interval is sure enough.
@@ -161,36 +201,37 @@ Interval medianInterval(std::vector<double> lows, std::vector<double> highs) {
 
 }  // namespace
 
-PooledError compareWithReferences(std::span<const std::vector<Rgb>> references, std::span<const Rgb> candidate, std::span<const float> weight) {
-  return compareWithReferences(references, {candidate, candidate}, weight);
+PooledError compareWithReferences(std::span<const std::vector<Rgb>> references, std::span<const Rgb> candidate, std::span<const float> weight, const Retrace& retrace) {
+  return compareWithReferences(references, {candidate, candidate}, weight, retrace);
 }
 
-PooledError compareWithReferences(std::span<const std::vector<Rgb>> references, const std::array<std::span<const Rgb>, 2>& candidate, std::span<const float> weight) {
+PooledError compareWithReferences(std::span<const std::vector<Rgb>> references, const std::array<std::span<const Rgb>, 2>& candidate, std::span<const float> weight,
+                                  const Retrace& retrace) {
   const size_t count = references.size(), size = candidate[0].size();
   if (count < 3) throw std::logic_error("compareWithReferences: at least three references are needed");
   for (const auto& reference : references)
     if (reference.size() != size) throw std::logic_error("compareWithReferences: the maps differ in size");
   if (candidate[1].size() != size || (!weight.empty() && weight.size() != size)) throw std::logic_error("compareWithReferences: the maps differ in size");
 
-  std::vector<Vec3d> sum_rgb(size, Vec3d(0.0));
+  std::vector<double> brightness(size, 0.0);  // summed over channels and references
   double all = 0, weights = 0;
   for (size_t t = 0; t < size; ++t) {
-    for (const auto& reference : references) sum_rgb[t] += Vec3d(reference[t]);
+    for (const auto& reference : references) brightness[t] += double(reference[t].x) + double(reference[t].y) + double(reference[t].z);
     const double w = weight.empty() ? 1 : double(weight[t]);
-    all += w * (sum_rgb[t].x + sum_rgb[t].y + sum_rgb[t].z), weights += w;
+    all += w * brightness[t], weights += w;
   }
   const double mean = weights > 0 ? all / (3 * double(count) * weights) : 0, dark = kDark * mean;
 
   std::vector<Sums> texels;
   std::vector<Difference> differences;
-  for (size_t t = 0; t < size; ++t) {
-    if (!(sum_rgb[t].x + sum_rgb[t].y + sum_rgb[t].z > 3 * double(count) * kUnlitShare * mean)) continue;
+  for (uint32_t t = 0; t < size; ++t) {
+    if (!(brightness[t] > 3 * double(count) * kUnlitShare * mean)) continue;
     Sums& sums = texels.emplace_back();
     if (!weight.empty()) sums.weight = weight[t];
     for (int c = 0; c < 3; ++c) {
-      const Values values{references, candidate, t, c};
-      values.addTo(sums, sum_rgb[t][c], dark);
-      differences.push_back(values.difference(sum_rgb[t][c], dark));
+      const Values values{references, t, candidate[0][t][c], candidate[1][t][c], c};
+      values.addTo(sums, dark);
+      differences.push_back(differenceOf(values, t, dark));
     }
   }
   PooledError error;
@@ -201,15 +242,14 @@ PooledError compareWithReferences(std::span<const std::vector<Rgb>> references, 
     error.relrmse = error.texrel = error.bias = error.maximum = std::numeric_limits<double>::infinity();
     return error;
   }
-  const Ratio relrmse = ratioOfSums(texels, &Sums::square, &Sums::reference_square), bias = ratioOfSums(texels, &Sums::candidate, &Sums::reference);
+  const Ratio relrmse = ratioOfSums(texels, &Sums::square, &Sums::reference_square), bias = ratioOfSums(texels, &Sums::candidate, &Sums::reference),
+              texrel = ratioOfSums(texels, &Sums::relative, &Sums::one);
   const double rms = std::sqrt(reference_square_sum / (3 * lit_weight));
-  const Maximum maximum = largest(differences);
+  const Maximum maximum = largest(differences, candidate, dark, retrace);
   error.relrmse = signedRoot(relrmse.value), error.relrmse_95 = rootOf(relrmse.interval_95);
+  error.texrel = signedRoot(texrel.value), error.texrel_95 = rootOf(texrel.interval_95);
   error.bias = bias.value - 1, error.bias_95 = {bias.interval_95.low - 1, bias.interval_95.high - 1};
   error.maximum = maximum.value / rms, error.maximum_95 = {maximum.interval_95.low / rms, maximum.interval_95.high / rms};
-  for (Sums& t : texels) t.reference = 1;
-  const Ratio texrel = ratioOfSums(texels, &Sums::relative, &Sums::reference);
-  error.texrel = signedRoot(texrel.value), error.texrel_95 = rootOf(texrel.interval_95);
   return error;
 }
 

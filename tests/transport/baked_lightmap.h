@@ -29,7 +29,7 @@ inline Lightmap bake(const Prepared& p, const LightmapSettings& settings, uint32
   Lightmap map = baker.assemble(views(direct), views(gathered), threads, cancel);
   if (error) {
     const auto references = stage(baker.referenceCount(), [&](uint32_t a, uint32_t b) { return baker.references(a, b, refined, cancel); });
-    *error = baker.measure(map, refined, views(references));
+    *error = baker.measure(map, refined, views(references), cancel);
   }
   return map;
 }

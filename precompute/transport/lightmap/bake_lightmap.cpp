@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kMostRaysForBrightness = 16;
 constexpr uint32_t kMeasuredTexels = 768;
+constexpr uint64_t kRetracedSeed = 0x6d6f7265ull;
 constexpr uint64_t kReferenceSeed = 0x6c696768746d6170ull;  // apart from the seeds of people's own references
 
 void append(std::vector<Rgb>& to, const std::vector<Rgb>& values) { to.insert(to.end(), values.begin(), values.end()); }
@@ -158,6 +159,27 @@ struct LightmapBaker::Impl {
     resize(pair, sides.front_count);
     return shareIrradiance(atlas, std::span(exposed()).first(sides.front_count), pair, threads, &cancel);
   }
+  /// Independent maps of slots; `times`: as many paths as usual.
+  std::vector<std::vector<Rgb>> traceReferences(std::span<const uint32_t> slots, uint64_t of, uint32_t times, const CancelFlag& cancel) const {
+    const PathContext context{scene, atlas, tracer, emitters, punctual, sky, Component::total, &cancel};
+    PathBatch batch(context);
+    const uint32_t paths = times * measuringPaths(atlas);
+    std::vector<std::vector<Rgb>> maps_rgb(kMeasuringReferences);
+    std::vector<Rgb> path_rgb;
+    std::vector<PathStart> starts;
+    for (uint64_t k = 0; k < kMeasuringReferences; ++k)
+      for (const uint32_t slot : slots) {
+        const uint64_t seed = combineKeys(combineKeys(settings.seed, of), k);
+        starts.clear();
+        const uint32_t texel = atlas.slots[slot].texel;
+        for (uint32_t i = 0; i < paths; ++i) starts.push_back({slot, i, Sampler(seed, texel), combineKeys(combineKeys(seed, texel), i)});
+        batch.trace(starts, path_rgb);
+        Vec3d sum(0.0);
+        for (const Rgb& value : path_rgb) sum += Vec3d(value);
+        maps_rgb[k].emplace_back(sum / double(paths));
+      }
+    return maps_rgb;
+  }
   DirectOptions direct() const {
     DirectOptions options = settings.direct;
     options.seed = settings.seed;
@@ -287,29 +309,12 @@ Bytes LightmapBaker::references(uint32_t first, uint32_t end, ByteView refined, 
   const auto chosen = chooseTexels(impl_->readRefined(refined).rays, kMeasuredTexels, impl_->settings.seed);
   const auto count = uint32_t(chosen.slot.size());  // fewer than asked for when one was chosen twice
   const auto slots = std::span(chosen.slot).subspan(std::min(first, count), std::min(end, count) - std::min(first, count));
-  const PathContext context{impl_->scene, impl_->atlas, impl_->tracer, impl_->emitters, impl_->punctual, impl_->sky, Component::total, &cancel};
-  PathBatch batch(context);
   ByteWriter writer;
-  const uint32_t paths = measuringPaths(impl_->atlas);
-  for (uint64_t k = 0; k < kMeasuringReferences; ++k) {
-    const uint64_t seed = combineKeys(combineKeys(impl_->settings.seed, kReferenceSeed), k);
-    std::vector<Rgb> mean_rgb, path_rgb;
-    std::vector<PathStart> starts;
-    for (const uint32_t slot : slots) {
-      starts.clear();
-      const uint32_t texel = impl_->atlas.slots[slot].texel;
-      for (uint32_t i = 0; i < paths; ++i) starts.push_back({slot, i, Sampler(seed, texel), combineKeys(combineKeys(seed, texel), i)});
-      batch.trace(starts, path_rgb);
-      Vec3d sum(0.0);
-      for (const Rgb& value : path_rgb) sum += Vec3d(value);
-      mean_rgb.emplace_back(sum / double(paths));
-    }
-    writer.array(mean_rgb);
-  }
+  for (const auto& map_rgb : impl_->traceReferences(slots, kReferenceSeed, 1, cancel)) writer.array(map_rgb);
   return writer.take();
 }
 
-PooledError LightmapBaker::measure(const Lightmap& map, ByteView refined, std::span<const ByteView> references) const {
+PooledError LightmapBaker::measure(const Lightmap& map, ByteView refined, std::span<const ByteView> references, const CancelFlag& cancel) const {
   const auto chosen = chooseTexels(impl_->readRefined(refined).rays, kMeasuredTexels, impl_->settings.seed);
   std::vector<std::vector<Rgb>> reference_rgb(kMeasuringReferences);
   for (const ByteView part : references) {
@@ -319,7 +324,11 @@ PooledError LightmapBaker::measure(const Lightmap& map, ByteView refined, std::s
   for (const auto& values : reference_rgb) require(values.size() == chosen.slot.size());
   std::vector<Rgb> candidate_rgb;
   for (const uint32_t slot : chosen.slot) candidate_rgb.push_back(map.direct_rgb[slot] + map.indirect_rgb[slot]);
-  return compareWithReferences(reference_rgb, candidate_rgb, chosen.weight);
+  return compareWithReferences(reference_rgb, candidate_rgb, chosen.weight, [&](std::span<const uint32_t> some) {
+    std::vector<uint32_t> slots;
+    for (const uint32_t texel : some) slots.push_back(chosen.slot[texel]);
+    return impl_->traceReferences(slots, kRetracedSeed, kRetracedPaths, cancel);
+  });
 }
 
 Lightmap LightmapBaker::assemble(std::span<const ByteView> direct, std::span<const ByteView> gathered, int threads, const CancelFlag& cancel) const {

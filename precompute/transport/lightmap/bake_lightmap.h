@@ -64,8 +64,8 @@ class LightmapBaker {
   /// Path-traced light at the texels number [first, end) of those to measure at, several times, independently; they are chosen by what `refine` knows.
   Bytes references(uint32_t first, uint32_t end, ByteView refined, const CancelFlag& cancel) const;
   uint32_t referenceCount() const;
-  /// The error of all light together. `references` of all of them, in range order.
-  PooledError measure(const Lightmap& map, ByteView refined, std::span<const ByteView> references) const;
+  /// The error of all light together. `references` of all of them, in range order; a few texels are traced again.
+  PooledError measure(const Lightmap& map, ByteView refined, std::span<const ByteView> references, const CancelFlag& cancel) const;
   /// Inputs in range order. This and the stages before throw std::runtime_error for inputs that no stage wrote.
   Lightmap assemble(std::span<const ByteView> direct, std::span<const ByteView> gathered, int threads, const CancelFlag& cancel) const;
 
