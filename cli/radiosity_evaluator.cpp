@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "precompute/core/random.h"
-#include "precompute/transport/reference/punctual.h"
+#include "precompute/transport/lightmap/near_lamp.h"
 
 namespace lightwell::cli {
 namespace {
@@ -24,24 +24,36 @@ class LampLight {
   Rgb meanOver(const atlas::Slot& slot, Side side, uint32_t points) {
     const Sampler sampler(kSeed, uint64_t(slot.texel) * 2 + side);
     const bake::ContainerScene& scene = evaluation_.scene;
-    rays_.clear(), light_.clear();
+    rays_.clear(), light_.clear(), near_.clear();
+    const transport::NearLamp near_lamp = transport::nearLamp(scene.scene.mesh, scene.atlas, lights_, slot, side == kBack);
+    Vec3d near_expected_rgb(0.0), near_arrived_rgb(0.0);
     for (uint32_t i = 0; i < points; ++i) {
       const auto point = atlas::sampleSlot(scene.scene.mesh, scene.atlas, slot, sampler.get1D(i, kPiece), sampler.get2D(i, kPlace));
       const Vec3 normal = side == kBack ? -point.normal : point.normal, facing = side == kBack ? -point.geometric_normal : point.geometric_normal;
       samples_.clear();
+      if (near_lamp.light != kNone) {
+        Vec3 to_light;
+        float distance;
+        near_expected_rgb += Vec3d(scene::lightIrradiance(lights_.lights()[near_lamp.light], point.position, facing, to_light, distance));
+      }
       lights_.sample(point.position, normal, true, sampler.get1D(i, kLight), samples_);
       for (const auto& sample : samples_) {
         if (!(sample.to_light.dot(facing) > 0)) continue;
         rays_.push_back({.origin = trace::Tracer::offsetOrigin(point.position, facing, sample.to_light), .direction = sample.to_light,
                          .t_max = sample.distance * (1.0f - 1e-4f), .key = uint32_t(rays_.size())});
         light_.push_back(sample.irradiance_rgb);
+        near_.push_back(sample.light == near_lamp.light);
       }
     }
     visibility_.resize(rays_.size());
     evaluation_.tracer.transmittance(rays_, visibility_);
     Vec3d sum(0.0);
-    for (size_t i = 0; i < rays_.size(); ++i) sum += Vec3d(light_[i]) * double(visibility_[i]);
-    return Rgb(sum / double(points));
+    for (size_t i = 0; i < rays_.size(); ++i) (near_[i] ? near_arrived_rgb : sum) += Vec3d(light_[i]) * double(visibility_[i]);
+    sum /= double(points);
+    // Exact light times visible share, as light maps have it: points may all miss the spot that the lamp lights.
+    for (int c = 0; c < 3; ++c)
+      if (near_expected_rgb[c] > 0) sum[c] += near_lamp.irradiance_rgb[c] * (near_arrived_rgb[c] / near_expected_rgb[c]);
+    return Rgb(sum);
   }
 
  private:
@@ -50,6 +62,7 @@ class LampLight {
   std::vector<transport::PunctualLights::Sample> samples_;
   std::vector<trace::Ray> rays_;
   std::vector<Rgb> light_;
+  std::vector<uint8_t> near_;  // from the near lamp
   std::vector<float> visibility_;
 };
 

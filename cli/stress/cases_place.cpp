@@ -4,10 +4,11 @@
 namespace lightwell::stress {
 namespace {
 
-/// A room with a box in it, all lengths multiples of 1/4 m, and its light where it stands.
+/// A room with a box in it, all lengths multiples of 1/4 m, each wall with the same texels wherever it stands.
 GltfDocument furnished() {
   GltfDocument room = plainRoom();
   room.box({-1, -1.5, -1}, {0, 0.25, 0}, 0, false);
+  room.layOut(1);
   return room;
 }
 

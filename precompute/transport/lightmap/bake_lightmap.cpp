@@ -288,7 +288,7 @@ Bytes LightmapBaker::refine(std::span<const ByteView> direct, ByteView radiosity
   ByteWriter writer;
   writer.array(radiosity_rgb);
   writer.array(direct_radiosity_rgb);
-  writer.array(unevenSlots(atlas, hard_rgb));
+  writer.array(unevenSlots(impl_->scene.mesh, atlas, impl_->punctual, hard_rgb));
   writer.array(rays);
   return writer.take();
 }

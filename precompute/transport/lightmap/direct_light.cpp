@@ -141,12 +141,15 @@ GatheredPair softLight(const PathContext& context, const Sides& sides, const Dir
   return pair;
 }
 
-std::vector<uint8_t> unevenSlots(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_rgb) {
+std::vector<uint8_t> unevenSlots(const scene::Mesh& mesh, const atlas::Atlas& atlas, const PunctualLights& lamps, std::span<const Rgb> irradiance_rgb) {
   const float most = kUneven * meanIrradiance(atlas, irradiance_rgb);
   std::vector<uint8_t> uneven(atlas.slots.size());
   for (uint32_t slot = 0; slot < uneven.size(); ++slot) {
     const float own = luminance(irradiance_rgb[slot]);
-    forBeside(atlas, irradiance_rgb, slot, [&](float there) { uneven[slot] |= std::abs(there - own) > most; });
+    forBeside(atlas, irradiance_rgb, slot, [&](float there) {
+      if (std::abs(there - own) > most) uneven[slot] = uint8_t(LookUp::at_point);
+    });
+    if (nearLamp(mesh, atlas, lamps, atlas.slots[slot], false).spot) uneven[slot] = uint8_t(LookUp::of_texel);
   }
   return uneven;
 }

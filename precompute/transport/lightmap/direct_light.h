@@ -31,7 +31,13 @@ GatheredPair directLight(const DirectSampler::Context& context, const DirectOpti
 /// Light of emitters that are not plain and of the sky, which has soft shadows only and is shared between texels: two independent estimates. `context` has no lamps.
 GatheredPair softLight(const PathContext& context, const Sides& sides, const DirectOptions& options, uint32_t first, uint32_t end);
 
-/// Flags per slot: its light is so far from that of a slot beside it that one value for all of the texel will not do for what sees a part of it.
-std::vector<uint8_t> unevenSlots(const atlas::Atlas& atlas, std::span<const Rgb> irradiance_rgb);
+/// Where light straight from lamps is looked up by rays that end on a texel.
+enum class LookUp : uint8_t {
+  by_distance,  // one value for all of the texel, but for rays that start near
+  at_point,     // it is so far from that of a texel beside it that one value will not do for what sees a part of it
+  of_texel,     // a spot much smaller than the texel, which points would miss
+};
+/// LookUp of each slot.
+std::vector<uint8_t> unevenSlots(const scene::Mesh& mesh, const atlas::Atlas& atlas, const PunctualLights& lamps, std::span<const Rgb> irradiance_rgb);
 
 }  // namespace lightwell::transport

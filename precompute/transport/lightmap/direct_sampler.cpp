@@ -22,12 +22,14 @@ Vec3d visibleShare(const Vec3d& exact_rgb, const Vec3d& expected_rgb, const Vec3
 }  // namespace
 
 Vec3d DirectSums::mean(uint32_t first, uint32_t end) const {
-  Vec3d lamps_rgb(0.0), exact_rgb(0.0), expected_rgb(0.0), arrived_rgb(0.0);
+  Vec3d lamps_rgb(0.0), exact_rgb(0.0), expected_rgb(0.0), arrived_rgb(0.0), near_expected_rgb(0.0), near_arrived_rgb(0.0);
   for (uint32_t g = first; g < end; ++g) {
     lamps_rgb += group[g].lamps_rgb, exact_rgb += group[g].emitters_rgb;
     expected_rgb += group[g].expected_rgb, arrived_rgb += group[g].arrived_rgb;
+    near_expected_rgb += group[g].near_expected_rgb, near_arrived_rgb += group[g].near_arrived_rgb;
   }
-  return (lamps_rgb + visibleShare(exact_rgb, expected_rgb, arrived_rgb)) / double((end - first) * count);
+  return (lamps_rgb + visibleShare(exact_rgb, expected_rgb, arrived_rgb)) / double((end - first) * count) +
+         visibleShare(near.irradiance_rgb, near_expected_rgb, near_arrived_rgb);
 }
 
 double DirectSums::standardError() const {
@@ -38,21 +40,29 @@ double DirectSums::standardError() const {
 }
 
 Vec3 DirectSums::gradient() const {
-  Vec3d lamps(0.0), emitters(0.0), exact_rgb(0.0), expected_rgb(0.0);
-  for (const Group& g : group) lamps += g.lamps_gradient, emitters += g.emitters_gradient, exact_rgb += g.emitters_rgb, expected_rgb += g.expected_rgb;
+  Vec3d lamps(0.0), emitters(0.0), exact_rgb(0.0), expected_rgb(0.0), near_gradient(0.0), near_expected_rgb(0.0);
+  for (const Group& g : group) {
+    lamps += g.lamps_gradient, emitters += g.emitters_gradient, exact_rgb += g.emitters_rgb, expected_rgb += g.expected_rgb;
+    near_gradient += g.near_gradient, near_expected_rgb += g.near_expected_rgb;
+  }
   const double expected = luminance(Rgb(expected_rgb));
   if (expected > 0) lamps += emitters * (luminance(Rgb(exact_rgb)) / expected);
-  return Vec3(lamps / double(kSampleGroups * count));
+  Vec3d mean = lamps / double(kSampleGroups * count);
+  const double near_expected = luminance(Rgb(near_expected_rgb));
+  if (near_expected > 0) mean += near_gradient * (luminance(Rgb(near.irradiance_rgb)) / near_expected);
+  return Vec3(mean);
 }
 
 void DirectSampler::sample(uint32_t count, std::span<DirectSums*> list) {
   for (DirectSums* sums : list) {
+    if (sums->count == 0)
+      sums->near = nearLamp(context_.scene.mesh, context_.atlas, context_.lamps, context_.atlas.slots[context_.sides.slot[sums->side]], context_.sides.isBack(sums->side));
     for (uint32_t i = sums->count; i < count; ++i)
       for (uint32_t group = 0; group < kSampleGroups; ++group) {
         const uint64_t owner = combineKeys(uint64_t(sums->side) + kDirectStream, group);
         const Sampler sampler(context_.seed, owner);
         const auto point = sampleSide(context_.scene.mesh, context_.atlas, context_.sides, sums->side, sampler.get1D(i, kPatch), sampler.get2D(i, kPlace));
-        add(sums->group[group], {point.position, point.normal, point.geometric_normal, sampler, i}, owner);
+        add(sums->group[group], {point.position, point.normal, point.geometric_normal, sampler, i}, owner, sums->near.light);
       }
     sums->count = std::max(sums->count, count);
     if (lamp_rays_.size() + emitter_rays_.size() >= kBatchRays) flush();
@@ -62,15 +72,20 @@ void DirectSampler::sample(uint32_t count, std::span<DirectSums*> list) {
 
 std::vector<Rgb> DirectSampler::irradiance(std::span<const Receiver> receivers) {
   std::vector<DirectSums::Group> groups(receivers.size());
-  for (size_t i = 0; i < receivers.size(); ++i) add(groups[i], receivers[i], kDirectStream);
+  for (size_t i = 0; i < receivers.size(); ++i) add(groups[i], receivers[i], kDirectStream, kNone);
   flush();
   std::vector<Rgb> irradiance_rgb;
   for (const DirectSums::Group& group : groups) irradiance_rgb.emplace_back(group.lamps_rgb + group.arrived_rgb);
   return irradiance_rgb;
 }
 
-void DirectSampler::add(DirectSums::Group& group, const Receiver& at, uint64_t key) {
+void DirectSampler::add(DirectSums::Group& group, const Receiver& at, uint64_t key, uint32_t near_lamp) {
   lamp_samples_.clear();
+  if (near_lamp != kNone) {
+    Vec3 to_light;
+    float distance;
+    group.near_expected_rgb += Vec3d(scene::lightIrradiance(context_.lamps.lights()[near_lamp], at.position, at.geometric_normal, to_light, distance));
+  }
   context_.lamps.sample(at.position, at.normal, true, at.sampler.get1D(at.sample, kLamp), lamp_samples_);
   for (const PunctualLights::Sample& lamp : lamp_samples_) {
     if (!(lamp.to_light.dot(at.geometric_normal) > 0.0f)) continue;
@@ -79,7 +94,7 @@ void DirectSampler::add(DirectSums::Group& group, const Receiver& at, uint64_t k
       lamp_rays_.push_back({origin, at.position + lamp.to_light * lamp.distance - origin, 0.0f, kSegmentEnd});
     else
       lamp_rays_.push_back({origin, lamp.to_light});
-    lamp_arrivals_.push_back({&group, lamp.irradiance_rgb, context_.tilt ? context_.tilt->gradient(at.normal, lamp.to_light) : Vec3(0.0f), kNone});
+    lamp_arrivals_.push_back({&group, lamp.irradiance_rgb, context_.tilt ? context_.tilt->gradient(at.normal, lamp.to_light) : Vec3(0.0f), kNone, lamp.light == near_lamp});
   }
   if (!context_.emitters.empty()) aimAtEmitter(group, at, key);
 }
@@ -116,8 +131,9 @@ void DirectSampler::flush() {
   context_.tracer.transmittance(lamp_rays_, transmittance_);
   for (size_t i = 0; i < lamp_arrivals_.size(); ++i) {
     const Rgb arrived_rgb = lamp_arrivals_[i].irradiance_rgb * transmittance_[i];
-    lamp_arrivals_[i].group->lamps_rgb += Vec3d(arrived_rgb);
-    lamp_arrivals_[i].group->lamps_gradient += Vec3d(lamp_arrivals_[i].gradient) * double(luminance(arrived_rgb));
+    DirectSums::Group& group = *lamp_arrivals_[i].group;
+    (lamp_arrivals_[i].near ? group.near_arrived_rgb : group.lamps_rgb) += Vec3d(arrived_rgb);
+    (lamp_arrivals_[i].near ? group.near_gradient : group.lamps_gradient) += Vec3d(lamp_arrivals_[i].gradient) * double(luminance(arrived_rgb));
   }
   hits_.resize(emitter_rays_.size());
   context_.tracer.closest(emitter_rays_, hits_);

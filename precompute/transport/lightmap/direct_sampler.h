@@ -6,6 +6,7 @@
 
 #include "precompute/core/random.h"
 #include "precompute/trace/tracer.h"
+#include "precompute/transport/lightmap/near_lamp.h"
 #include "precompute/transport/lightmap/plain_emitters.h"
 #include "precompute/transport/lightmap/tilt.h"
 #include "precompute/transport/reference/punctual.h"
@@ -22,10 +23,12 @@ struct DirectSums {
     Vec3d lamps_rgb{0, 0, 0};
     Vec3d emitters_rgb{0, 0, 0};                        // exact, as if nothing were in the way
     Vec3d expected_rgb{0, 0, 0}, arrived_rgb{0, 0, 0};  // of the rays to emitters: all, and those that arrived
-    Vec3d lamps_gradient{0, 0, 0}, emitters_gradient{0, 0, 0};  // weighted by luminance
+    Vec3d near_expected_rgb{0, 0, 0}, near_arrived_rgb{0, 0, 0};  // of the near lamp: in front of the surface, and what arrived about its normal
+    Vec3d lamps_gradient{0, 0, 0}, emitters_gradient{0, 0, 0}, near_gradient{0, 0, 0};  // weighted by luminance
   };
   uint32_t side = 0;
   uint32_t count = 0;  // of each group
+  NearLamp near;       // from the first sample on
   std::array<Group, kSampleGroups> group{};
 
   /// Irradiance from the groups [first, end).
@@ -37,7 +40,7 @@ struct DirectSums {
 };
 
 /// Emitters: exact irradiance times visible share, the latter as a ratio of two sums over the same rays (Heitz, Hill, McGuire, "Combining Analytic Direct Illumination and Stochastic Shadows",
-/// I3D 2018). Neither unshadowed nor fully shadowed places have noise then, however near the emitter is.
+/// I3D 2018). Neither unshadowed nor fully shadowed places have noise then, however near the emitter is. The same for a lamp that is near.
 class DirectSampler {
  public:
   /// All of it outlives this. Either of the lights may be none.
@@ -67,7 +70,8 @@ class DirectSampler {
   std::vector<Rgb> irradiance(std::span<const Receiver> receivers);
 
  private:
-  void add(DirectSums::Group& group, const Receiver& at, uint64_t key);
+  /// `near_lamp`: goes to the group's sums of its own.
+  void add(DirectSums::Group& group, const Receiver& at, uint64_t key, uint32_t near_lamp);
   void aimAtEmitter(DirectSums::Group& group, const Receiver& at, uint64_t key);
   void flush();
 
@@ -76,6 +80,7 @@ class DirectSampler {
     Rgb irradiance_rgb;
     Vec3 gradient;  // unit irradiance
     uint32_t triangle;  // that the ray must meet; unused for lamps
+    bool near = false;  // from the near lamp
   };
   const Context& context_;
   std::vector<trace::Ray> lamp_rays_, emitter_rays_;

@@ -1,6 +1,6 @@
 #include "precompute/transport/lightmap/gather.h"
 
-#include "precompute/transport/lightmap/direct_sampler.h"
+#include "precompute/transport/lightmap/direct_light.h"
 #include "precompute/transport/side_rays.h"
 
 namespace lightwell::transport {
@@ -44,7 +44,8 @@ GatheredPair gatherSlots(const scene::Scene& scene, const atlas::Atlas& atlas, c
       const uint32_t side = sides.met(atlas.slotAt(scene.mesh, hits[i].triangle, hits[i].u, hits[i].v), hits[i].front);
       if (side == kNone) continue;
       const uint32_t met = sides.slot[side];
-      if (source.direct && (source.uneven[met] || hits[i].t * hits[i].t < kNear * kNear * atlas.slots[met].area)) {
+      const auto look_up = source.direct ? LookUp(source.uneven[met]) : LookUp::of_texel;
+      if (look_up == LookUp::at_point || (look_up == LookUp::by_distance && hits[i].t * hits[i].t < kNear * kNear * atlas.slots[met].area)) {
         near.push_back(receiverAt(scene.mesh, list[i], hits[i], Sampler(options.seed, combineKeys(stream, 1)), uint32_t(i)));
         near_side.emplace_back(side, list[i].direction);
       } else {

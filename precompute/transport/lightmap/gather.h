@@ -21,7 +21,7 @@ class DirectSampler;
 struct GatherSource {
   std::span<const Rgb> radiosity_rgb;         // per side
   std::span<const Rgb> direct_radiosity_rgb;  // per side, the part that `direct` samples; or empty
-  std::span<const uint8_t> uneven;            // per slot: flagged where one value for all of the texel will not do
+  std::span<const uint8_t> uneven;            // per slot: LookUp of direct_light.h
   DirectSampler* direct = nullptr;            // for hits on these and for near ones, where the means of texels are too coarse; null: texels are fine enough
 };
 

@@ -37,6 +37,7 @@ void PunctualLights::sample(const Vec3& position, const Vec3& normal, bool all_o
   const auto append = [&](uint32_t light, float probability) {
     Sample sample;
     sample.irradiance_rgb = scene::lightIrradiance(lights_[light], position, normal, sample.to_light, sample.distance) / probability;
+    sample.light = light;
     if (maxComponent(sample.irradiance_rgb) > 0.0f) samples.push_back(sample);
   };
 

@@ -13,10 +13,15 @@ class PunctualLights {
   /// `lights` must outlive this and not change.
   explicit PunctualLights(const std::vector<scene::Light>& lights);
 
+  const std::vector<scene::Light>& lights() const { return lights_; }
+  /// Indices of lights of which `sample` gives each a sample of its own, with `all_of_few`.
+  const std::vector<uint32_t>& few() const { return few_; }
+
   struct Sample {
     Rgb irradiance_rgb;  // unoccluded, divided by the probability of the pick
     Vec3 to_light;       // unit
     float distance;      // internal units; infinite for a directional light
+    uint32_t light;      // index into the lights
   };
   /// Appends to `samples` an unbiased estimate of the irradiance at `position` (unit normal `normal`). With `all_of_few` each of few
   /// lights gets a sample of its own; else one of them is picked by what it would give unoccluded. `u` in [0, 1).
