@@ -48,7 +48,7 @@ class Attempts {
   /// The measured error of the last attempt; none when nothing could be measured.
   std::optional<double> error() const {
     const auto meta = format::Reader(*outcome.container).meta();
-    std::optional<double> largest;  // of what gives light to surfaces
+    std::optional<double> largest;  // of what gives light to surfaces; of a sky the number of cells is the game's to choose, who draws them all in each frame
     for (const auto& error : meta.errors())
       if (error.section() != "environment") largest = std::max(largest.value_or(0.0), error.relrmse());
     if (largest) return largest;
@@ -115,7 +115,7 @@ Outcome bakeWithin(const BakeContext& context, const Limits& limits, const std::
       say("time is up: the container keeps the error that it has");
       settings = attempts.outcome.settings;
     }
-    if (!error) diagnostics.warn("", "--target-error: only the errors of prm, radiosity and lightmap are measured; what was baked has the quality's own");
+    if (!error) diagnostics.warn("", "--target-error: nothing that can be refined was measured: no light, no surface, or a sky alone, whose cells --environment-samples sets");
     if (error && *error > *limits.target_error)
       diagnostics.warn(
           "", "the measured error is " + std::to_string(*error) + ", not the " + std::to_string(*limits.target_error) + " asked for");

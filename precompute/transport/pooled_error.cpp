@@ -79,15 +79,19 @@ struct Values {
   }
   void addTo(Sums& sums, double dark) const {
     const size_t count = references.size();
-    const double pairs = double(count * (count - 1) / 2), all = sum();
+    const double pairs = double(count * (count - 1) / 2), all = sum(), rest = double(count - 2);
+    double squares = 0;
+    for (size_t i = 0; i < count; ++i) squares += reference(i) * reference(i);
     sums.candidate += (v + w) / 2;
     sums.reference += all / double(count);
     for (size_t i = 0; i < count; ++i)
       for (size_t j = i + 1; j < count; ++j) {
-        const double a = reference(i), b = reference(j), others = (all - a - b) / double(count - 2);
+        const double a = reference(i), b = reference(j), others = (all - a - b) / rest;
         const double product = ((v - a) * (w - b) + (w - a) * (v - b)) / (2 * pairs), scale = std::max(others, 0.0) + dark;
+        // Noise of a divisor raises the mean of the quotients: 1 / (s + noise)² is on the mean about 1 / s² + 3 noise² / s⁴.
+        const double noise2 = rest > 1 ? std::max(0.0, (squares - a * a - b * b) / rest - others * others) / (rest - 1) : 0.0;
         sums.square += product;
-        sums.relative += product / (3 * scale * scale);
+        sums.relative += product / (3 * (scale * scale + 3 * noise2));
         sums.reference_square += a * b / pairs;
       }
   }
