@@ -1,6 +1,7 @@
 // Light maps of static lights: closed forms, path tracing, stages.
 #include <gtest/gtest.h>
 
+#include "precompute/transport/fixed_point.h"
 #include "precompute/transport/lightmap/share.h"
 #include "precompute/transport/pooled_error.h"
 #include "precompute/transport/reference/reference.h"
@@ -35,6 +36,61 @@ TEST(Lightmap, AClosedRoomKeepsTheEnergyOfALamp) {
     EXPECT_NEAR(direct / (4 * kPi * 3.0), 1.0, 0.002);
     EXPECT_NEAR(indirect / (4 * kPi * 3.0 * albedo / (1 - albedo)), 1.0, 0.005) << albedo;
   }
+}
+
+TEST(Lightmap, ALampThatAllButTouchesAWallLosesNothing) {
+  // Half of its light falls on a spot as small as the gap, which points of the texel would miss.
+  for (const float gap : {1e-2f, 1e-4f, 1e-5f})
+    for (const Vec3& position : {Vec3(0.3f, 0.4f, 2 - gap), Vec3(1 - gap, 1.5f - gap, 2 - gap)}) {
+      scene::Scene scene = test::closedBox({1, 1.5f, 2}, test::diffuse(0.5f));
+      scene.lights.push_back(test::pointLight(position, 3.0f));
+      const Prepared p(std::move(scene), 48);
+      const Lightmap map = bake(p, {});
+      double direct = 0, indirect = 0;
+      for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot) {
+        direct += luminance(map.direct_rgb[slot]) * double(p.atlas.slots[slot].area);
+        indirect += luminance(map.indirect_rgb[slot]) * double(p.atlas.slots[slot].area);
+      }
+      EXPECT_NEAR(direct / (4 * kPi * 3.0), 1.0, 0.005) << gap;
+      EXPECT_NEAR(indirect / (4 * kPi * 3.0), 1.0, 0.06) << gap;
+    }
+}
+
+TEST(Lightmap, AnEmitterThatIsHiddenTakesNothingFromOneThatIsNot) {
+  // Two closed rooms, each with a panel on its ceiling; one is a million times as bright. Rays that follow what panels would give all end on the wall between.
+  test::SceneBuilder builder;
+  const uint32_t wall = builder.material(test::diffuse(0.5f)), bright = builder.material(test::diffuse(0.5f, 1e3f)), dim = builder.material(test::diffuse(0.5f, 1e-3f));
+  builder.room({-4, 0, -2}, {-0.1f, 3, 2}, wall).room({0.1f, 0, -2}, {4, 3, 2}, wall);
+  builder.quad({-2.5f, 2.9f, -0.5f}, {1, 0, 0}, {0, 0, 1}, bright).quad({1.5f, 2.9f, -0.5f}, {1, 0, 0}, {0, 0, 1}, dim);
+  const Prepared p(builder.take(), 64);
+  const Lightmap map = bake(p, {});
+  double direct[2] = {}, total[2] = {};
+  for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot) {
+    const bool right = p.atlas.slots[slot].position.x > 0;
+    direct[right] += luminance(map.direct_rgb[slot]) * double(p.atlas.slots[slot].area);
+    total[right] += luminance(map.direct_rgb[slot] + map.indirect_rgb[slot]) * double(p.atlas.slots[slot].area);
+  }
+  EXPECT_NEAR(direct[0], kPi * 1e3, kPi * 20) << "all that the panel sends";
+  EXPECT_NEAR(direct[1], kPi * 1e-3, kPi * 1e-4) << "a ratio of few rays is biased, but by little";
+  EXPECT_NEAR(total[0] / total[1], 1e6, 1e5);
+}
+
+TEST(FixedPoint, PartsThatAreNotCoupledAreSolvedAlikeHoweverMuchBrighterOneIs) {
+  // x = 0.95 P x + b in two rooms with a cyclic permutation each, b 1e9 times as large in one.
+  constexpr Eigen::Index kRoom = 12;
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(2 * kRoom);
+  b[0] = 1e9, b[kRoom] = 1;
+  const auto sweep = [&](const Eigen::VectorXd& x) {
+    Eigen::VectorXd next = b;
+    for (Eigen::Index room = 0; room < 2; ++room)
+      for (Eigen::Index i = 0; i < kRoom; ++i) next[room * kRoom + (i + 1) % kRoom] += (room ? 0.95 : 0.6) * x[room * kRoom + i];
+    return next;
+  };
+  const FixedPoint fixed = solveFixedPoint(2 * kRoom, sweep, 1e-6, 500);
+  EXPECT_LE(fixed.residual, 1e-6);
+  EXPECT_NEAR(fixed.x[kRoom], 1 / (1 - std::pow(0.95, double(kRoom))), 1e-4);
+  EXPECT_NEAR(fixed.x[0] / 1e9, 1 / (1 - std::pow(0.6, double(kRoom))), 1e-4);
+  EXPECT_EQ(solveFixedPoint(3, [](const Eigen::VectorXd& x) -> Eigen::VectorXd { return Eigen::VectorXd::Zero(x.size()); }, 1e-6, 500).sweeps, 1u) << "darkness";
 }
 
 TEST(Lightmap, IsWhatPathTracingGives) {

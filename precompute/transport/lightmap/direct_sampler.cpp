@@ -8,6 +8,7 @@ namespace {
 
 constexpr uint64_t kDirectStream = 5ull << 40;
 constexpr size_t kBatchRays = 4096;
+constexpr float kByLot = 0.25f;  // share of rays to emitters that are not picked by what these give
 constexpr float kSegmentEnd = 1.0f - 0x1p-16f;  // a shadow segment stops short of the lamp itself
 enum Dimension : uint32_t { kPatch = 0, kPlace = 1, kLamp = 2, kEmitter = 3, kOnEmitter = 4 };
 
@@ -99,21 +100,25 @@ void DirectSampler::add(DirectSums::Group& group, const Receiver& at, uint64_t k
   if (!context_.emitters.empty()) aimAtEmitter(group, at, key);
 }
 
-/// All emitters' exact light, and a ray to one of them, picked by what it gives.
+/// All emitters' exact light, and a ray to one of them, picked by what it gives; now and then by lot, since what gives most may be hidden.
 void DirectSampler::aimAtEmitter(DirectSums::Group& group, const Receiver& at, uint64_t key) {
   const PlainEmitters& emitters = context_.emitters;
   cumulative_.resize(emitters.count());
   float total = 0;
+  uint32_t facing = 0;
   for (uint32_t i = 0; i < emitters.count(); ++i) {
     const Rgb irradiance_rgb = emitters.radiance(i) * emitters.irradiance(i, at.position, at.normal);
     group.emitters_rgb += Vec3d(irradiance_rgb);
-    cumulative_[i] = total += luminance(irradiance_rgb);
+    cumulative_[i] = luminance(irradiance_rgb);
+    total += cumulative_[i], facing += cumulative_[i] > 0.0f;
   }
   if (!(total > 0.0f)) return;
-  const float target = at.sampler.get1D(at.sample, kEmitter) * total;
+  float sum = 0;
+  for (float& at_emitter : cumulative_) at_emitter = sum += at_emitter > 0.0f ? (1 - kByLot) * (at_emitter / total) + kByLot / float(facing) : 0.0f;
+  const float target = at.sampler.get1D(at.sample, kEmitter) * sum;
   uint32_t picked = uint32_t(std::upper_bound(cumulative_.begin(), cumulative_.end(), target) - cumulative_.begin());
   picked = std::min(picked, emitters.count() - 1);
-  const float share = (cumulative_[picked] - (picked ? cumulative_[picked - 1] : 0.0f)) / total;
+  const float share = (cumulative_[picked] - (picked ? cumulative_[picked - 1] : 0.0f)) / sum;
   if (!(share > 0.0f)) return;
   const PlainEmitters::Sample ray = emitters.sample(picked, at.position, at.normal, at.sampler.get2D(at.sample, kOnEmitter));
   if (!(ray.weight > 0.0f)) return;
