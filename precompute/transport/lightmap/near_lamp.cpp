@@ -8,7 +8,7 @@ namespace lightwell::transport {
 namespace {
 
 constexpr double kNear = 3;          // of the texel's radius about its centroid
-constexpr double kSpot = 1.0 / 16;   // height above the texel, likewise
+constexpr double kSpot = 0.25;       // height above the texel, likewise
 
 /// Of a triangle as seen from the origin.
 double solidAngle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {

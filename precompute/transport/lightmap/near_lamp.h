@@ -8,7 +8,7 @@ namespace lightwell::transport {
 struct NearLamp {
   uint32_t light = kNone;          // index into the lights; kNone: no lamp is near
   Vec3d irradiance_rgb{0, 0, 0};   // mean over the texel, as if nothing were in the way: exact about the geometric normals
-  bool spot = false;               // what it lights is much smaller than the texel: one value for all of it has to do
+  bool spot = false;               // what it lights is smaller than the texel: one value for all of it has to do
 };
 
 /// The nearest to the texel of those point lights without a range that are always looked at (PunctualLights), if it is within three times the texel's radius. Its light on a triangle is its
