@@ -1,11 +1,11 @@
 // lightwell stress: stiff and extreme scenes, what they must give, and what they gave.
-#include "cli/stress/run.h"
-
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/stress/run.h"
 
 namespace lightwell::cli {
 namespace {
@@ -74,9 +74,9 @@ void addStress(CLI::App& app, Session& session) {
   command->add_option("--filter", options->selection.filter, "Only cases with such a name; * stands for anything, ? for one character")->type_name("GLOB")->capture_default_str();
   command->add_option("--techniques", options->techniques, "auto: each technique to which a case applies; or a list such as prm,lightmap")->type_name("LIST")->capture_default_str();
   command->add_flag("--fast", options->fast, "Leave out cases that take many seconds or gigabytes");
-  command->add_flag("--list", options->list, "Name the cases and what each holds, and run none");
+  CLI::Option* list = command->add_flag("--list", options->list, "Name the cases and what each holds, and run none");
   command->add_flag("--verbose", options->verbose, "Show every check, not only the telling one of each case");
-  command->add_flag("--json", options->json, "Print all checks on stdout (schemas/stress.schema.json)");
+  command->add_flag("--json", options->json, "Print all checks on stdout (schemas/stress.schema.json)")->excludes(list);
   addThreads(*command, options->threads);
   command->footer(R"(Scenes are made for the purpose, baked as drafts into a folder for temporary files, and evaluated by the runtime on the CPU.
 Ends with 0 when every case passed and with 1 when one did not: that is an error of lightwell.

@@ -21,9 +21,11 @@ void samePlaced(Trial& trial, const Placement& placement, double tolerance) {
   trial.expectSame("the same room", there, here, 1, tolerance);
 }
 
+/// The importer's scaling is by powers of two: no number is rounded otherwise. Where metres as floats lie between, it may be.
 template <int exponent>
 void powerOfTwo(Trial& trial) {
-  samePlaced(trial, {.scale = std::ldexp(1.0, exponent)}, 0);
+  const bool exact = trial.is(plan::Technique::lightmap) || trial.is(plan::Technique::vpl);
+  samePlaced(trial, {.scale = std::ldexp(1.0, exponent)}, exact ? 0 : 0.1);
 }
 template <int exponent>
 void powerOfTen(Trial& trial) {
@@ -39,8 +41,8 @@ std::vector<Case> placeCases() {
       {"scale-1e-2", scaled, kOfLamps, powerOfTen<-2>},
       {"scale-1e3", scaled, kOfLamps, powerOfTen<3>},
       {"scale-1e6", scaled, kOfLamps, powerOfTen<6>},
-      {"scale-2^-14", scaled + ", to the last bit", kOfLamps, powerOfTwo<-14>},
-      {"scale-2^20", scaled + ", to the last bit", kOfLamps, powerOfTwo<20>},
+      {"scale-2^-14", scaled + "; light maps and virtual lights to the last bit", kOfLamps, powerOfTwo<-14>},
+      {"scale-2^20", scaled + "; light maps and virtual lights to the last bit", kOfLamps, powerOfTwo<20>},
       {"far-1e6-nodes", "moved by a node's transform: the same irradiance", kOfLamps,
        [](Trial& trial) { samePlaced(trial, {.translation_m = {1e6f, -1e6f, 1e6f}, .by_nodes = true}, 0.1); }},
       {"far-1e6-vertices", "vertices on the grid that floats have there: the same irradiance", kOfLamps,

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <queue>
 
+#include "precompute/core/random.h"
 #include "precompute/transport/many_lights/outline.h"
 #include "precompute/transport/many_lights/planes.h"
 #include "precompute/transport/stage_bytes.h"
@@ -19,6 +20,8 @@ constexpr double kFewestLights = 8;  // a bounce that would get fewer is one wit
 constexpr double kGapWeight = 0.5;   // rho of equation 1
 constexpr double kBorder = 1.5;      // mean distances between points
 constexpr size_t kMostVertices = 8;
+constexpr uint64_t kRepresentativeStream = 16ull << 40;
+constexpr double kLeastAgreement = 0.4;  // mean cosine to the mean normal below which a cluster has no direction
 constexpr double kFlat = 0.97;  // mean cosine to the mean normal from which on a cluster is as good as plane
 // By how much of its area a square differs from the disk of equal area and middle, and what elongation adds.
 constexpr double kDiskMismatch = 0.18;
@@ -210,6 +213,13 @@ class Clustering {
     return 4.0 * double(kPi) * double(scene_radius_) * double(scene_radius_) / double(std::max<size_t>(total_points_, 1));
   }
 
+  uint32_t representative(std::span<const uint32_t> members, double power) const {
+    double rest = double(Sampler(options_.seed, combineKeys(kRepresentativeStream, members.front())).get1D(0, 0)) * power;
+    for (const uint32_t i : members)
+      if ((rest -= double(luminance(points_[i].power_rgb))) < 0) return i;
+    return members.back();
+  }
+
   VirtualLight lightOf(const Cluster& cluster) const {
     VirtualLight light{.source = cluster.source, .bounce = cluster.bounce};
     Vec3d power(0.0), position(0.0), normal(0.0);
@@ -223,6 +233,14 @@ class Clustering {
       weight += share;
     }
     const double mean_cosine = normal.length() / weight;
+    // Walls that face each other have no light in common: one of the points, picked by power, stands for all. Of many such clusters the sum is right.
+    if (!frames_[cluster.frame].planar && mean_cosine < kLeastAgreement && cluster.points.size() > 1) {
+      Cluster one = cluster;
+      one.points = {representative(cluster.points, weight)};
+      light = lightOf(one);
+      light.power_rgb = Rgb(power);
+      return light;
+    }
     light.power_rgb = Rgb(power);
     light.position = Vec3(position / weight);
     const Frame& own = frames_[cluster.frame];
