@@ -27,7 +27,10 @@ void list(const Options& options) {
   for (const stress::Case& one : stress::allCases()) {
     if (!stress::selects(options.selection, one)) continue;
     std::string techniques;
-    for (const auto technique : one.techniques) techniques += (techniques.empty() ? "" : ",") + std::string(plan::name(technique));
+    for (const auto technique : one.techniques) {
+      if (!techniques.empty()) techniques += ',';
+      techniques += plan::name(technique);
+    }
     std::printf("%s%s%s%s\n", padded(one.name, 22).c_str(), padded(techniques, 30).c_str(), one.slow ? "(slow) " : "", one.holds.c_str());
   }
 }
