@@ -104,6 +104,8 @@ void addBake(CLI::App& app, Session& session) {
   command
       ->add_option("--cache", options->cache, "Folder that keeps results of tasks for later bakes; may be shared and deleted at any time")
       ->type_name("DIR");
+  command->add_flag("--record-seconds", options->bake.request.record_seconds,
+                    "Keep beside the measured errors how long each section took; the same scene and settings then no longer give the same bytes");
   command->add_flag("--json", options->json, "Print a report on stdout (schemas/bake.schema.json)");
   command->footer(kFooter);
   command->callback([&session, options] { run(session, *options); });

@@ -72,6 +72,13 @@ void Writer::addRaw(std::string_view section, std::string_view name, ElementType
                      std::move(encoded.stored)});
 }
 
+void Writer::addStored(const ChunkInfo& chunk, std::span<const uint8_t> stored) {
+  if (stored.size() != chunk.stored_bytes || checksum(stored.data(), stored.size()) != chunk.checksum) throw std::invalid_argument("not the bytes of the chunk");
+  if (std::none_of(sections_.begin(), sections_.end(), [&](const Section& s) { return s.type == chunk.section; }) || find(chunk.section, chunk.name))
+    throw std::invalid_argument(std::string(chunk.section) + "/" + std::string(chunk.name) + ": added twice, or its section is not declared");
+  chunks_.push_back({std::string(chunk.section), std::string(chunk.name), chunk.element, chunk.codec, {chunk.shape, chunk.shape + chunk.rank}, chunk.checksum, {stored.begin(), stored.end()}});
+}
+
 void Writer::addMessage(std::string_view section, std::string_view name, const google::protobuf::MessageLite& message) {
   const std::string bytes = serialize(message);
   const uint64_t size = bytes.size();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "format/decode/layout.h"
+#include "format/decode/view.h"
 
 namespace google::protobuf {
 class MessageLite;
@@ -63,6 +64,9 @@ class Writer {
            ElementType element = detail::elementTypeOf<T>()) {
     add(section, name, std::span<const T>(data), shape, element);
   }
+
+  /// A chunk as another file has it: `stored` are its bytes there.
+  void addStored(const ChunkInfo& chunk, std::span<const uint8_t> stored);
 
   /// A serialized message as a chunk of BYTES.
   void addMessage(std::string_view section, std::string_view name, const google::protobuf::MessageLite& message);

@@ -17,17 +17,23 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double secondsBetween(Clock::time_point a, Clock::time_point b) { return std::chrono::duration<double>(b - a).count(); }
 
+/// The section that a task works for; empty for a task that measures.
+std::string sectionOf(const Task& task) { return task.phase.starts_with("measure") ? std::string() : task.id.substr(0, task.id.find('/')); }
+
 /// Times of the phases, and from them the expected time to the end.
 class Stopwatch {
  public:
   explicit Stopwatch(const TaskGraph& graph) {
-    for (TaskIndex i = 0; i < graph.size(); ++i)
+    for (TaskIndex i = 0; i < graph.size(); ++i) {
       if (phases_.try_emplace(graph.task(i).phase).second) order_.push_back(graph.task(i).phase);
+      if (const std::string section = sectionOf(graph.task(i)); sections_.try_emplace(section).second) section_order_.push_back(section);
+    }
   }
   void expect(const Task& task) { phases_[task.phase].cost_open += task.cost; }
   void start(const Task& task) {
     advance();
     ++phases_[task.phase].running;
+    ++sections_[sectionOf(task)].running;
     ++running_;
     last_phase_ = task.phase;
   }
@@ -35,6 +41,7 @@ class Stopwatch {
     advance();
     Phase& phase = phases_[task.phase];
     --phase.running;
+    --sections_[sectionOf(task)].running;
     --running_;
     phase.ran = true;
     phase.cost_open -= task.cost;
@@ -61,6 +68,12 @@ class Stopwatch {
       if (const Phase& phase = phases_.at(name); phase.ran) result.push_back({name, phase.wall_seconds});
     return result;
   }
+  std::vector<PhaseTime> sectionTimes() const {
+    std::vector<PhaseTime> result;
+    for (const auto& name : section_order_)
+      if (const double seconds = sections_.at(name).wall_seconds; !name.empty() && seconds > 0) result.push_back({name, seconds});
+    return result;
+  }
 
  private:
   struct Phase {
@@ -70,12 +83,20 @@ class Stopwatch {
   };
   void advance() {
     const auto now = Clock::now();
-    if (running_)
-      for (auto& [name, phase] : phases_) phase.wall_seconds += secondsBetween(last_, now) * phase.running / running_;
+    if (running_) {
+      const double each = secondsBetween(last_, now) / running_;
+      for (auto& [name, phase] : phases_) phase.wall_seconds += each * phase.running;
+      for (auto& [name, section] : sections_) section.wall_seconds += each * section.running;
+    }
     last_ = now;
   }
+  struct Section {
+    double wall_seconds = 0;
+    int running = 0;
+  };
   std::map<std::string, Phase> phases_;
-  std::vector<std::string> order_;
+  std::map<std::string, Section> sections_;
+  std::vector<std::string> order_, section_order_;
   std::string last_phase_;
   Clock::time_point begin_ = Clock::now(), last_ = begin_;
   int running_ = 0;
@@ -100,6 +121,7 @@ class Run {
     RunResult result;
     for (const TaskIndex goal : goals) result.goals.push_back(states_[goal].result);
     result.phases = stopwatch_.times();
+    result.sections = stopwatch_.sectionTimes();
     result.tasks_run = done_ - reused_;
     result.tasks_reused = reused_;
     return result;

@@ -43,6 +43,7 @@ struct RunOptions {
 struct RunResult {
   std::vector<Blob> goals;        // in the order asked for
   std::vector<PhaseTime> phases;  // in the order of their first task in the graph; only those that ran
+  std::vector<PhaseTime> sections;  // likewise by section, the part of a task's id before its first '/', without what measures it
   size_t tasks_run = 0, tasks_reused = 0;
 };
 

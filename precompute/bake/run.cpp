@@ -30,6 +30,22 @@ Limits limitsOf(const Request& request, Clock::time_point begin) {
   return limits;
 }
 
+/// Into the measured errors of the container, if that leaves it within its limit.
+void recordSeconds(const std::map<std::string, double>& section_seconds, const Limits& limits, Blob& container, Diagnostics& diagnostics) {
+  const format::Reader reader(*container);
+  v1::MetaHeader meta = reader.meta();
+  for (auto& error : *meta.mutable_errors())
+    if (const auto seconds = section_seconds.find(error.section()); seconds != section_seconds.end()) error.set_seconds(seconds->second);
+  format::Writer writer;
+  for (const auto& section : reader.view().sections()) writer.addSection(section.type, section.version, section.required);
+  for (const auto& chunk : reader.view().chunks())
+    if (chunk.section == "meta" && chunk.name == "header") writer.addMessage("meta", "header", meta);
+    else writer.addStored(chunk, std::span(*container).subspan(chunk.offset, chunk.stored_bytes));
+  auto bytes = std::make_shared<Bytes>(writer.bytes());
+  if (limits.size_limit_bytes && bytes->size() > *limits.size_limit_bytes) return diagnostics.warn("", "--record-seconds: the seconds do not fit into --size-limit");
+  container = std::move(bytes);
+}
+
 }  // namespace
 
 Baked runBake(const Request& request, ResultStore& store, Diagnostics& run_diagnostics, const CancelFlag& cancel,
@@ -49,6 +65,7 @@ Baked runBake(const Request& request, ResultStore& store, Diagnostics& run_diagn
   if (listener.warning)
     for (const auto& warning : report.warnings) listener.warning(warning);
   baked.outcome = bakeWithin(*context, limits, report.warnings, run_diagnostics, tasks, listener.attempts);
+  if (request.record_seconds) recordSeconds(tasks.sectionSeconds(), limits, baked.outcome.container, run_diagnostics);
 
   report.phases = context->stageTimes();
   report.phases.insert(report.phases.end(), baked.outcome.phases.begin(), baked.outcome.phases.end());
@@ -56,6 +73,8 @@ Baked runBake(const Request& request, ResultStore& store, Diagnostics& run_diagn
   report.sections = sectionSizes(reader);
   const auto meta = reader.meta();
   report.errors.assign(meta.errors().begin(), meta.errors().end());
+  for (auto& error : report.errors)
+    if (const auto seconds = tasks.sectionSeconds().find(error.section()); seconds != tasks.sectionSeconds().end()) error.set_seconds(seconds->second);
   const auto of_run = run_diagnostics.warnings();
   report.warnings.insert(report.warnings.end(), of_run.begin(), of_run.end());
   report.rays = raysOf(context);

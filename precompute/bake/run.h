@@ -15,6 +15,7 @@ struct Request {
   plan::Settings settings;
   std::optional<double> time_limit_s, target_error;  // Limits explains them; time counts from the start of runBake()
   std::optional<uint64_t> size_limit_bytes;
+  bool record_seconds = false;                       // beside the measured errors in the container, whose bytes are then another's in each bake
   int threads = 0;                                   // 0: one per processor. No influence on the bytes
 };
 

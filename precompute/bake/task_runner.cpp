@@ -20,6 +20,7 @@ RunResult TaskRunner::execute(const TaskGraph& graph, std::span<const TaskIndex>
   RunResult result = executor_.run(graph, goals, store_, options);
   run_ += result.tasks_run;
   reused_ += result.tasks_reused;
+  for (const PhaseTime& section : result.sections) section_seconds_[section.name] += section.seconds;
   return result;
 }
 

@@ -3,6 +3,9 @@
 // What a graph looks like may depend on results: how many clusters there are, say, on the atlas. Such results are goals of graphs of their
 // own, run while the next one is prepared; they are kept, reused and counted like all others.
 #pragma once
+#include <map>
+#include <string>
+
 #include "precompute/bake/executor.h"
 
 namespace lightwell::bake {
@@ -21,6 +24,8 @@ class TaskRunner {
   /// Of all graphs so far.
   size_t tasksRun() const { return run_; }
   size_t tasksReused() const { return reused_; }
+  /// RunResult::sections, summed over them.
+  const std::map<std::string, double>& sectionSeconds() const { return section_seconds_; }
 
  private:
   RunResult execute(const TaskGraph& graph, std::span<const TaskIndex> goals, RunOptions options);
@@ -30,6 +35,7 @@ class TaskRunner {
   const RunOptions options_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   size_t run_ = 0, reused_ = 0;
+  std::map<std::string, double> section_seconds_;
 };
 
 }  // namespace lightwell::bake

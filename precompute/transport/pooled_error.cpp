@@ -253,7 +253,8 @@ PooledError compareWithReferences(std::span<const std::vector<Rgb>> references, 
   error.relrmse = signedRoot(relrmse.value), error.relrmse_95 = rootOf(relrmse.interval_95);
   error.texrel = signedRoot(texrel.value), error.texrel_95 = rootOf(texrel.interval_95);
   error.bias = bias.value - 1, error.bias_95 = {bias.interval_95.low - 1, bias.interval_95.high - 1};
-  error.maximum = maximum.value / rms, error.maximum_95 = {maximum.interval_95.low / rms, maximum.interval_95.high / rms};
+  error.maximum_95 = {maximum.interval_95.low / rms, maximum.interval_95.high / rms};
+  error.maximum = std::clamp(std::max(maximum.value / rms, error.relrmse), error.maximum_95.low, error.maximum_95.high);  // no less than the mean
   return error;
 }
 

@@ -13,6 +13,7 @@
 #include "cli/vpl_evaluator.h"
 #include "precompute/bake/run.h"
 #include "precompute/core/random.h"
+#include "precompute/transport/many_lights/virtual_light_irradiance.h"
 #include "precompute/transport/pooled_error.h"
 #include "precompute/transport/prm/light_prior.h"
 #include "precompute/transport/reference/reference.h"
@@ -202,6 +203,51 @@ TEST_F(MeasuredErrors, IntervalsHoldTheTruth) {
   }
   EXPECT_EQ(all.all, bakes * 8);
   EXPECT_GE(all.held, (asked ? 0.9 : 0.8) * all.all);
+}
+
+/// The bake has formulas of its own for what the runtime evaluates.
+TEST(VirtualLightIrradiance, IsThatOfTheRuntime) {
+  for (uint32_t n = 0; n < 4000; ++n) {
+    Draw draw(n + 1000000);
+    const auto direction = [&] {
+      const float z = draw.between(-1, 1), phi = draw.between(0, 2 * kPi), r = std::sqrt(1 - z * z);
+      return Vec3(r * std::cos(phi), r * std::sin(phi), z);
+    };
+    transport::VirtualLight light;
+    light.type = transport::VirtualLightType(1 + n % 4);
+    light.position = direction() * draw.between(0.2f, 3);
+    light.normal = direction();
+    light.power_rgb = Rgb(1, 2, 3);
+    lw_virtual_light same{};
+    std::vector<float> vertices;
+    if (light.type == transport::VirtualLightType::polygon) {
+      Vec3 tangent, bitangent;
+      orthonormalBasis(light.normal, tangent, bitangent);
+      const uint32_t corners = 3 + draw.below(6);
+      const float size = draw.between(0.05f, 1.5f);
+      for (uint32_t i = 0; i < corners; ++i) {
+        const float angle = 2 * kPi * float(i) / float(corners);
+        light.vertices.push_back(light.position + (tangent * std::cos(angle) + bitangent * std::sin(angle)) * size);
+        for (int k = 0; k < 3; ++k) vertices.push_back(light.vertices.back()[k]);
+      }
+      same.area_m2 = float(corners) / 2 * size * size * std::sin(2 * kPi / float(corners));
+      same.vertex_count = corners, same.vertices_m = vertices.data();
+    } else if (light.type != transport::VirtualLightType::point) {
+      light.radius = draw.between(0.02f, 0.8f);
+      same.area_m2 = kPi * light.radius * light.radius;
+    }
+    same.type = uint32_t(light.type), same.radius_m = light.radius;
+    for (int k = 0; k < 3; ++k) same.position_m[k] = light.position[k], same.normal[k] = light.normal[k], same.flux_rgb[k] = light.power_rgb[k];
+    const Vec3 position = direction() * draw.between(0, 1), normal = direction();
+    float expected_rgb[3];
+    ASSERT_EQ(lw_virtual_light_irradiance(&same, &position.x, &normal.x, 0, expected_rgb), LW_OK);
+    const double share = transport::irradianceShare(light, position, normal);
+    EXPECT_NEAR(share, double(expected_rgb[0]), 2e-4 * double(expected_rgb[0]) + 2e-6) << n << ", type " << same.type;
+    // Its points lie on it.
+    const Vec3 point = transport::pointOnLight(light, Vec2(draw.between(0, 1), draw.between(0, 1))), offset = point - light.position;
+    EXPECT_NEAR(offset.dot(light.normal), 0, 1e-5f);
+    EXPECT_LE(offset.length(), (light.type == transport::VirtualLightType::polygon ? (light.vertices[0] - light.position).length() : light.radius) + 1e-5f);
+  }
 }
 
 }  // namespace
