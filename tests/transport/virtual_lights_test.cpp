@@ -219,6 +219,27 @@ TEST_P(Clusters, KeepPowerAndCount) {
 
 INSTANTIATE_TEST_SUITE_P(All, Clusters, testing::Values(std::nullopt, VirtualLightType::point, VirtualLightType::disk, VirtualLightType::sphere, VirtualLightType::polygon));
 
+TEST(ClustersWithoutADirection, ShineFromOneOfTheirPointsWithAllTheirPower) {
+  // Ten points on each of two walls that face each other, for one light; many sources, so that what is picked is told apart.
+  constexpr uint32_t kSources = 400;
+  std::vector<VirtualPoint> points;
+  for (uint32_t source = 0; source < kSources; ++source)
+    for (uint32_t i = 0; i < 20; ++i) {
+      const bool right = i % 2 == 1;
+      points.push_back({Vec3(right ? 1.0f : -1.0f, 0.01f * float(i % 7), 0.02f * float(i % 3)), Vec3(right ? -1.0f : 1.0f, 0, 0), Rgb(right ? 1.5f : 1.0f), source, 1});
+    }
+  const auto lights = clusterPoints(points, 1.5f, {.lights = 1});
+  ASSERT_EQ(lights.size(), kSources);
+  uint32_t from_right = 0;
+  for (const VirtualLight& light : lights) {
+    EXPECT_FLOAT_EQ(light.power_rgb.x, 25.0f);
+    EXPECT_NEAR(std::abs(light.position.x), 1.0f, 1e-3f) << "on a wall, not between";
+    EXPECT_NEAR(light.normal.x * light.position.x, -1.0f, 1e-3f) << "away from it";
+    from_right += light.position.x > 0;
+  }
+  EXPECT_NEAR(from_right / double(kSources), 0.6, 0.08) << "as often as it has power";
+}
+
 TEST(ClustersOfEmitters, AreTheEmitter) {
   test::SceneBuilder builder;
   const uint32_t wall = builder.material(test::diffuse(0)), lamp = builder.material(test::diffuse(0, 1));
