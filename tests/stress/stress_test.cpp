@@ -7,6 +7,9 @@
 #include "cli/stress/run.h"
 
 namespace lightwell::stress {
+
+void PrintTo(const Case& one, std::ostream* out) { *out << one.name; }
+
 namespace {
 
 using plan::Technique;
