@@ -9,7 +9,7 @@
 
 namespace lightwell::transport {
 
-/// Holds the true value in 95 of 100 cases or more.
+/// Holds the true value in about 95 of 100 cases.
 struct Interval {
   double low = 0, high = 0;
 };

@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-/* A share of one, not a percentage, with bounds that hold the true value in 95 of 100 cases or more; low = high = 0: not known. */
+/* A share of one, not a percentage, with bounds that hold the true value in about 95 of 100 cases; low = high = 0: not known. */
 typedef struct lw_estimate {
   double value, low, high;
 } lw_estimate;
