@@ -31,7 +31,7 @@ struct Outcome {
 /// What is told on the way; members may be empty.
 struct AttemptListener {
   std::function<void(const std::string&)> announce;   // why another attempt begins, in words
-  std::function<void(double relrmse)> measured;       // after each attempt that measured the error of its PRM
+  std::function<void(double relrmse)> measured;       // after each attempt that measured errors: the largest
 };
 
 /// Runs the graph at the quality of context.settings(), or at those that the limits lead to. `warnings` (of the scene) go into the
