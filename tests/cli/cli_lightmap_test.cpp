@@ -120,9 +120,16 @@ TEST_F(CliLightmapTest, ADirectionalMapHasTheSameLight) {
   EXPECT_EQ(wrong.exit_code, 2);
 }
 
-TEST_F(CliLightmapTest, ATargetThatNothingMeasuresIsSaid) {
-  EXPECT_THAT(run({"bake", path("lamp.gltf"), "-o", path("v.lwc"), "--techniques", "vpl", "--lightmap-size", "32", "--quality", "draft", "--target-error", "0.05"}).err,
-              HasSubstr("--target-error: only"));
+TEST_F(CliLightmapTest, ATargetHoldsForVirtualLightsToo) {
+  const auto report = nlohmann::json::parse(
+      run({"bake", path("lamp.gltf"), "-o", path("v.lwc"), "--techniques", "vpl", "--lightmap-size", "32", "--quality", "draft", "--target-error", "0.5", "--record-seconds", "--json"}).out);
+  const auto& error = report["error"][0];
+  EXPECT_EQ(error["section"], "vpl");
+  EXPECT_LE(error["relrmse"], 0.5);
+  EXPECT_LE(error["maximum_interval"][0], error["maximum"]);
+  EXPECT_GT(error["seconds"], 0);
+  EXPECT_THAT(run({"info", path("v.lwc")}).out, HasSubstr("baked in"));
+  run({"verify", path("v.lwc")});
 }
 
 }  // namespace
