@@ -43,6 +43,7 @@ struct Candidate {
 
 struct TestLight {
   transport::PriorLight prior;
+  float surface_distance_m = 0;  // to the nearest surface, whichever way it faces
   double mean_irradiance = 0;  // indirect, over the texels compared
   bool sealed = false;
 };
@@ -52,8 +53,7 @@ struct Band {
   float from_m, to_m;
 };
 constexpr float kFar = std::numeric_limits<float>::infinity();
-constexpr Band kBands[] = {{"< 0.1 m", 0, 0.1f}, {"0.1-0.25 m", 0.1f, 0.25f}, {"0.25-0.5 m", 0.25f, 0.5f},
-                           {"0.5-1 m", 0.5f, 1}, {">= 1 m", 1, kFar},         {"all", 0, kFar}};
+constexpr Band kBands[] = {{"< 0.1 m", 0, 0.1f}, {"0.1-0.5 m", 0.1f, 0.5f}, {">= 0.5 m", 0.5f, kFar}, {"all", 0, kFar}};
 
 /// The value below which the share `q` lies, linear between neighbours; NaN (JSON: null) of nothing.
 double quantile(std::vector<double> values, double q) {
@@ -62,6 +62,28 @@ double quantile(std::vector<double> values, double q) {
   const double place = q * double(values.size() - 1);
   const size_t below = size_t(place), above = std::min(below + 1, values.size() - 1);
   return values[below] + (place - double(below)) * (values[above] - values[below]);
+}
+
+/// The squared distance of a point to the triangle of three corners.
+float distance2(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 corner[3] = {a, b, c}, normal = (b - a).cross(c - a);
+  bool inside = normal.length2() > 0;
+  for (int i = 0; i < 3; ++i) inside = inside && normal.cross(corner[(i + 1) % 3] - corner[i]).dot(p - corner[i]) >= 0;
+  if (inside) return (p - a).dot(normal) * (p - a).dot(normal) / normal.length2();
+  float nearest = kFar;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 edge = corner[(i + 1) % 3] - corner[i], offset = p - corner[i];
+    const float along = edge.length2() > 0 ? std::clamp(offset.dot(edge) / edge.length2(), 0.0f, 1.0f) : 0.0f;
+    nearest = std::min(nearest, (offset - edge * along).length2());
+  }
+  return nearest;
+}
+
+float surfaceDistance(const scene::Scene& scene, const Vec3& point) {
+  float nearest = kFar;
+  const auto& at = scene.mesh.positions;
+  for (const auto& t : scene.mesh.triangles) nearest = std::min(nearest, distance2(point, at[t[0]], at[t[1]], at[t[2]]));
+  return std::sqrt(nearest) * float(scene.metres_per_unit);
 }
 
 /// `count` of the atlas's slots, each equally likely, ascending; all when there are no more.
@@ -101,7 +123,7 @@ void addCandidates(const std::filesystem::path& file, size_t evaluator, const cl
 json rowOf(const Candidate& candidate, std::span<const TestLight> lights, const Band& band) {
   std::vector<double> relrmse, texrel, bias;
   for (size_t i = 0; i < lights.size(); ++i) {
-    const float distance_m = lights[i].prior.surface_distance_m;
+    const float distance_m = lights[i].surface_distance_m;
     if (lights[i].sealed || distance_m < band.from_m || distance_m >= band.to_m) continue;
     relrmse.push_back(candidate.errors[i].relrmse);
     texrel.push_back(candidate.errors[i].texrel);
@@ -145,7 +167,7 @@ json lightsJson(std::span<const TestLight> lights, std::span<const Candidate> ca
                         {"relrmse", c.errors[i].relrmse},
                         {"texrel", c.errors[i].texrel},
                         {"bias", c.errors[i].bias}});
-    list.push_back({{"surface_distance_m", lights[i].prior.surface_distance_m},
+    list.push_back({{"surface_distance_m", lights[i].surface_distance_m},
                     {"mean_irradiance", lights[i].mean_irradiance},
                     {"sealed", lights[i].sealed},
                     {"errors", errors}});
@@ -181,7 +203,7 @@ void run(const Options& options) {
   std::vector<TestLight> lights;
   for (const auto& prior :
        transport::samplePriorLights(context.scene(), atlas, tracer, options.lights, combineKeys(options.seed, kLightKey)))
-    lights.push_back({prior});
+    lights.push_back({prior, surfaceDistance(context.scene(), prior.light.position)});
   for (size_t i = 0; i < lights.size(); ++i) {
     console.progress("lights", "light " + std::to_string(i + 1) + " of " + std::to_string(lights.size()));
     const std::vector<scene::Light> light{lights[i].prior.light};

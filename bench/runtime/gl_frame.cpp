@@ -137,7 +137,7 @@ double bytesPerTexel(const format::Reader& reader, const lw_prm_info& info, uint
 double sharedBytesPerTexel(const format::Reader& reader, const lw_prm_info& info) {
   double bytes = 0;
   if (info.layout == LW_PRM_LOCAL_BASES)
-    for (const char* chunk : {"link_cluster", "coefficient"}) bytes += double(reader.chunk("prm", chunk).raw_bytes);
+    for (const char* chunk : {"link_wavelet", "coefficient"}) bytes += double(reader.chunk("prm", chunk).raw_bytes);
   return bytes / double(info.texels);
 }
 
@@ -204,6 +204,11 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
                                      [&] {
                                        if (!panes) container.check(lw_gl_update_coefficients(gl_prm.get()));
                                        glFinish();
+                                     },
+                                     [&] {
+                                       container.check(lw_gl_update_entries(gl_prm.get(), &light, 1));
+                                       container.check(lw_gl_evaluate(gl_prm.get(), &prm_options));
+                                       glFinish();
                                      }});
     const std::string what =
         panes ? (brightest ? "brightest " + std::to_string(brightest) + " of " : "all ") + std::to_string(info.clusters) + " panes"
@@ -217,6 +222,8 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
                     {"coefficients_gl_ms", panes ? 0.0 : median(evaluate[3])},
                     {"paper_32_panes_gl_ms", median(evaluate[1])},
                     {"ratio_to_paper", medianRatio(evaluate[0], evaluate[1])},
+                    {"frame_gl_ms", median(evaluate[4])},
+                    {"frame_ratio_to_paper", medianRatio(evaluate[4], evaluate[1])},
                     {"entries_cpu_ms", median(entries[1])},
                     {"evaluate_cpu_ms", median(evaluate[2])},
                     {"bytes_per_texel", bytesPerTexel(reader, info, brightest)},
@@ -243,7 +250,7 @@ void run(const Options& options) {
     return;
   }
   constexpr const char* kColumns[] = {"entries_gl_ms",          "evaluate_gl_ms", "coefficients_gl_ms", "paper_32_panes_gl_ms",
-                                      "ratio_to_paper",         "entries_cpu_ms", "evaluate_cpu_ms",    "bytes_per_texel",
+                                      "ratio_to_paper",         "frame_gl_ms",    "frame_ratio_to_paper", "entries_cpu_ms", "evaluate_cpu_ms",    "bytes_per_texel",
                                       "shared_bytes_per_texel", "texture_bytes",  "paper_texture_bytes"};
   std::printf("container,what,atlas,texels");
   for (const char* column : kColumns) std::printf(",%s", column);

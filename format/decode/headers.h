@@ -11,7 +11,7 @@ struct AtlasHeader {
   bool unwrapped = false;
 };
 
-enum class PrmLayout : uint8_t { unknown = 0, panes = 1, local_bases = 2 };
+enum class PrmLayout : uint8_t { unknown = 0, panes = 1, local_bases = 3 };
 
 struct PrmHeader {
   PrmLayout layout = PrmLayout::unknown;

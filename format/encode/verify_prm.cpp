@@ -68,20 +68,46 @@ void verifyPanes(VerifyContext& context, const v1::PrmHeader& prm) {
                       [](uint16_t v) { return v > 0x7bff && v != 0x8000; });
 }
 
+/// Every inner node splits its leaves in two, first to last in pre-order.
+void verifyTree(VerifyContext& context, uint64_t clusters) {
+  const auto first_leaves = context.load<uint32_t>(kSection, "tree_first_leaves", {clusters - 1});
+  if (const auto share = context.load<uint16_t>(kSection, "tree_first_share", {clusters - 1}))
+    context.checkEach(*share, IssueId::value_range, kSection, "tree_first_share", "are zero", [](uint16_t v) { return v == 0; });
+  context.load<uint8_t>(kSection, "wavelet_unit", {3 * clusters - 2});
+  if (!first_leaves) return;
+  std::vector<uint64_t> waiting{clusters};  // leaves under the nodes that are still to come, the next one last
+  for (size_t n = 0; n < first_leaves->size(); ++n) {
+    const uint64_t leaves = waiting.back(), first = (*first_leaves)[n];
+    waiting.pop_back();
+    if (first == 0 || first >= leaves)
+      return context.report(IssueId::value_range, kSection, "tree_first_leaves", "node " + std::to_string(n) + " does not split its leaves in two");
+    if (leaves - first > 1) waiting.push_back(leaves - first);
+    if (first > 1) waiting.push_back(first);
+  }
+}
+
+void verifyRectangles(VerifyContext& context, uint64_t entries) {
+  if (const auto halves = context.load<uint16_t>(kSection, "entry_rectangle", ElementType::f16, {entries, 3}))
+    context.checkEach(*halves, IssueId::not_finite, kSection, "entry_rectangle", "are not finite", [](uint16_t v) { return (v & 0x7c00) == 0x7c00; });
+}
+
 void verifyLocalBases(VerifyContext& context, const v1::PrmHeader& prm) {
+  if (prm.clusters() == 0) return context.report(IssueId::header_value, kSection, "header", "there are no clusters");
+  verifyTree(context, prm.clusters());
+  verifyRectangles(context, prm.entries());
   const uint64_t blocks = prm.blocks();
   if (prm.brightest() != 0) context.report(IssueId::header_value, kSection, "header", "local bases have no brightest panes");
   const auto first_texel = context.load<uint32_t>(kSection, "block_first_texel", {blocks + 1});
   const auto rank = context.load<uint8_t>(kSection, "block_rank", {blocks});
-  const auto link_cluster = context.load<uint32_t>(kSection, "link_cluster", {kAnyExtent});
+  const auto link_wavelet = context.load<uint32_t>(kSection, "link_wavelet", {kAnyExtent});
   const auto first_link = context.load<uint32_t>(kSection, "block_first_link", {blocks + 1});
-  if (!first_texel || !rank || !link_cluster || !first_link) return;
+  if (!first_texel || !rank || !link_wavelet || !first_link) return;
   bool sound = context.checkOffsets(*first_texel, prm.texels(), true, kSection, "block_first_texel");
-  sound &= context.checkOffsets(*first_link, link_cluster->size(), false, kSection, "block_first_link");
+  sound &= context.checkOffsets(*first_link, link_wavelet->size(), false, kSection, "block_first_link");
   sound &= context.checkEach(*rank, IssueId::value_range, kSection, "block_rank", "are more than max_rank",
                              [&](uint8_t v) { return v > prm.max_rank(); });
-  context.checkEach(*link_cluster, IssueId::index_range, kSection, "link_cluster", "name no cluster",
-                    [&](uint32_t v) { return v >= prm.clusters(); });
+  context.checkEach(*link_wavelet, IssueId::index_range, kSection, "link_wavelet", "name no wavelet",
+                    [&](uint32_t v) { return v >= 3 * uint64_t(prm.clusters()) - 2; });
   if (!sound) return;
 
   uint64_t basis_size = 0, scale_size = 0, coefficient_size = 0;
@@ -89,11 +115,11 @@ void verifyLocalBases(VerifyContext& context, const v1::PrmHeader& prm) {
   for (uint64_t b = 0; b < blocks; ++b) {
     const uint64_t r = (*rank)[b];
     basis_size += ((*first_texel)[b + 1] - (*first_texel)[b]) * r;
-    scale_size += r * 3;
+    scale_size += r;
     coefficient_size += ((*first_link)[b + 1] - (*first_link)[b]) * r * 3;
     for (uint32_t l = (*first_link)[b] + 1; l < (*first_link)[b + 1] && ascending; ++l)
-      if ((*link_cluster)[l] <= (*link_cluster)[l - 1]) {
-        context.report(IssueId::order, kSection, "link_cluster", "link " + std::to_string(l) + " does not ascend within its block");
+      if ((*link_wavelet)[l] < (*link_wavelet)[l - 1]) {
+        context.report(IssueId::order, kSection, "link_wavelet", "link " + std::to_string(l) + " does not ascend within its block");
         ascending = false;
       }
   }
@@ -101,9 +127,7 @@ void verifyLocalBases(VerifyContext& context, const v1::PrmHeader& prm) {
     context.checkEach(*basis, IssueId::value_range, kSection, "basis", "are -128", [](int8_t v) { return v == INT8_MIN; });
   if (const auto scale = context.load<float>(kSection, "coefficient_scale", {scale_size}))
     context.checkEach(*scale, IssueId::not_finite, kSection, "coefficient_scale", "are negative or not finite", isNegativeOrNotFinite);
-  const ChunkInfo* coefficient = context.find(kSection, "coefficient");
-  if (coefficient && coefficient->element == ElementType::i16) context.load<int16_t>(kSection, "coefficient", {coefficient_size});
-  else context.load<int8_t>(kSection, "coefficient", {coefficient_size});
+  context.load<int8_t>(kSection, "coefficient", {coefficient_size});
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace lightwell::bake {
 namespace {
 
 // Elements of a stage in one task: a few tenths of a second of work. Part of what names a task, never of what it computes.
-constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 4;
+constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 32;
 
 /// The clusters: all stages but the emitters' know the surfaces by them.
 Parameters entryParameters(const Key& scene, const transport::PrmSettings& s) {
@@ -40,25 +40,24 @@ transport::PrmSettings prmSettings(const plan::Settings& settings) {
   prm.seed = settings.seed;
   switch (settings.quality) {
     case plan::Quality::draft:
-      prm.entries.clusters = 2048, prm.entries.groups = 384;
-      prm.cluster_rays = 64, prm.bases.rays = 128, prm.training_lights = 96, prm.emitter_samples = 16;
-      prm.bases.rank_error = 0.04f, prm.bases.link_error = 0.02f;
+      prm.entries.clusters = 4096, prm.entries.groups = 384;
+      prm.cluster_rays = 64, prm.bases.rays = 128, prm.training_lights = 192, prm.emitter_samples = 16;
+      prm.bases.rank_error = 0.2f, prm.bases.wavelet_step = 0.02f;
       break;
     case plan::Quality::preview:
-      prm.entries.clusters = 4096, prm.entries.groups = 768;
-      prm.cluster_rays = 128, prm.bases.rays = 256, prm.training_lights = 160, prm.emitter_samples = 32;
+      prm.entries.clusters = 8192, prm.entries.groups = 768;
+      prm.cluster_rays = 128, prm.bases.rays = 256, prm.training_lights = 288, prm.emitter_samples = 32;
+      prm.bases.rank_error = 0.15f, prm.bases.wavelet_step = 0.015f;
       break;
     case plan::Quality::production: break;  // the estimator's defaults
   }
   const float factor = std::exp2(float(settings.refinement));
   prm.bases.rank_error /= factor;
-  prm.bases.link_error /= factor;
-  prm.bases.prune_error /= factor;
+  prm.bases.wavelet_step /= factor;
   if (settings.refinement > 0) {
     const uint32_t more = 1u << settings.refinement;
     prm.cluster_rays *= more, prm.bases.rays *= more;
     prm.entries.clusters *= more, prm.training_lights *= more;
-    prm.bases.most_rank = std::min(64u, prm.bases.most_rank * more);
     prm.walks_per_entry *= more;
   } else {
     prm.bases.most_rank = std::max(1u, prm.bases.most_rank >> -settings.refinement);
@@ -110,8 +109,8 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
          return baker->solve(all.first(bounces), all.subspan(bounces, training), all.subspan(bounces + training));
        }});
   const Parameters fit = entryParameters(keys.reflection, settings)
-                             .add(settings.layout, settings.estimator, settings.walks_per_entry, bases.block_texels, bases.most_rank,
-                                  bases.rank_error, bases.link_error, bases.prune_error, bases.rays);
+                             .add(settings.layout, settings.estimator, settings.walks_per_entry, bases.block_texels, bases.least_texels, bases.most_rank,
+                                  bases.rank_error, bases.wavelet_step, bases.rays);
   tasks.blocks = addRange(graph, "prm", "fit", fit, baker->blockCount(), kBlocksPerTask, 4.0 * bases.block_texels * bases.rays, {solve},
                           [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fit(first, end, *in.inputs[0]); });
   return tasks;

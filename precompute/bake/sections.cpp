@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "format/decode/pixel.h"
-#include "precompute/bake/quantised_bases.h"
 
 namespace lightwell::bake {
 namespace {
@@ -60,20 +59,53 @@ void addPanes(format::Writer& writer, const transport::PrmResult& prm) {
   writer.add("prm", "pane", toRgb9e5(prm.panes.irradiance_rgb), {prm.entries.clusterCount(), prm.texel.size()}, ElementType::rgb9e5);
 }
 
-void addLocalBases(format::Writer& writer, const transport::PrmResult& prm) {
+/// How the rectangles lie: half their sides in metres, and the turn of the first about the normal in half turns from orthonormalBasis()'s tangent.
+std::vector<uint16_t> packRectangles(const transport::PrmEntries& entries, double metres_per_unit) {
+  std::vector<uint16_t> packed;
+  for (size_t i = 0; i < entries.position.size(); ++i) {
+    Vec3 tangent, bitangent;
+    const auto n = format::unpackOct(format::packOct({entries.normal[i].x, entries.normal[i].y, entries.normal[i].z}));
+    orthonormalBasis(Vec3(n.x, n.y, n.z), tangent, bitangent);
+    const Vec3 &u = entries.half_u[i], &v = entries.half_v[i];
+    for (const double number : {u.length() * metres_per_unit, v.length() * metres_per_unit,
+                                std::atan2(double(u.dot(bitangent)), double(u.dot(tangent))) / kPi})
+      packed.push_back(format::packHalf(std::clamp(float(number), -65504.0f, 65504.0f)));
+  }
+  return packed;
+}
+
+/// Per block [rank][channel][link], the channels as G, R − G, B − G (modulo 256): what is near to zero stands together.
+std::vector<int8_t> packCoefficients(const transport::PrmLocalBases& bases) {
+  std::vector<int8_t> packed(bases.coefficient.size());
+  size_t base = 0;
+  for (size_t b = 0; b < bases.block_rank.size(); ++b) {
+    const size_t links = bases.block_first_link[b + 1] - bases.block_first_link[b], rank = bases.block_rank[b];
+    for (size_t l = 0; l < links; ++l)
+      for (size_t k = 0; k < rank; ++k) {
+        const int8_t* rgb = &bases.coefficient[base + (l * rank + k) * 3];
+        int8_t* to = &packed[base + k * 3 * links + l];
+        to[0] = rgb[1];
+        to[links] = int8_t(rgb[0] - rgb[1]);
+        to[2 * links] = int8_t(rgb[2] - rgb[1]);
+      }
+    base += links * rank * 3;
+  }
+  return packed;
+}
+
+void addLocalBases(format::Writer& writer, const transport::PrmResult& prm, double metres_per_unit) {
   const transport::PrmLocalBases& bases = prm.bases;
-  std::vector<int8_t> basis(bases.basis.size());
-  std::transform(bases.basis.begin(), bases.basis.end(), basis.begin(),
-                 [](float v) { return int8_t(std::lround(std::clamp(v, -1.0f, 1.0f) * 127.0f)); });
-  const QuantisedBases quantised = quantiseBases(prm);
+  writer.add("prm", "entry_rectangle", packRectangles(prm.entries, metres_per_unit), {prm.entries.position.size(), 3}, ElementType::f16);
+  writer.add("prm", "tree_first_leaves", bases.tree.first_leaves);
+  writer.add("prm", "tree_first_share", bases.tree.first_share);
+  writer.add("prm", "wavelet_unit", bases.wavelet_unit);
   writer.add("prm", "block_first_texel", bases.block_first_texel);
   writer.add("prm", "block_rank", bases.block_rank);
-  writer.add("prm", "basis", basis);
+  writer.add("prm", "basis", bases.basis);
+  writer.add("prm", "coefficient_scale", bases.scale);
   writer.add("prm", "block_first_link", bases.block_first_link);
-  writer.add("prm", "link_cluster", bases.link_cluster);
-  writer.add("prm", "coefficient_scale", quantised.coefficient_scale);
-  if (quantised.coefficient_i16.empty()) writer.add("prm", "coefficient", quantised.coefficient_i8);
-  else writer.add("prm", "coefficient", quantised.coefficient_i16);
+  writer.add("prm", "link_wavelet", bases.link_wavelet);
+  writer.add("prm", "coefficient", packCoefficients(bases));
 }
 
 }  // namespace
@@ -163,7 +195,7 @@ void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, cons
   writer.add("prm", "cluster_first_entry", prm.entries.cluster_first_entry);
   writer.add("prm", "texel", prm.texel);
   if (bases)
-    addLocalBases(writer, prm);
+    addLocalBases(writer, prm, metres_per_unit);
   else
     addPanes(writer, prm);
   if (emitters) {

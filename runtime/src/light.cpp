@@ -37,6 +37,40 @@ const char* packLight(const lw_light& light, PackedLight& packed) {
   return nullptr;
 }
 
+namespace {
+
+/// Beyond this many areas of the rectangle in the square of the distance, its middle stands for all of it within a part in a thousand.
+constexpr float kFarAreas = 300.0f;
+
+float dot(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Solid angle of the triangle of three directions of any length (Van Oosterom, Strackee: "The Solid Angle of a Plane Triangle", equation 8).
+float solidAngle(const float* a, const float* b, const float* c) {
+  const float la = std::sqrt(dot(a, a)), lb = std::sqrt(dot(b, b)), lc = std::sqrt(dot(c, c));
+  const float triple = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  return 2.0f * std::atan2(std::fabs(triple), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+}
+
+}  // namespace
+
+float rectangleGain(const float* to_light_m, const float* normal, const float* rectangle) {
+  const float area = 4.0f * rectangle[0] * rectangle[1], square = dot(to_light_m, to_light_m), height = dot(to_light_m, normal);
+  if (!(square < kFarAreas * area) || !(height > 0)) return 1.0f;
+  // A frame about the normal (Duff et al.: "Building an Orthonormal Basis, Revisited").
+  const float sign = std::copysign(1.0f, normal[2]), a = -1.0f / (sign + normal[2]), b = normal[0] * normal[1] * a;
+  const float tangent[3] = {1.0f + sign * normal[0] * normal[0] * a, sign * b, -sign * normal[0]};
+  const float bitangent[3] = {b, sign + normal[1] * normal[1] * a, -normal[1]};
+  const float c = std::cos(rectangle[2] * 3.14159265f), s = std::sin(rectangle[2] * 3.14159265f);
+  float corner[4][3];
+  for (int i = 0; i < 4; ++i) {
+    const float along_u = (i == 1 || i == 2) ? rectangle[0] : -rectangle[0], along_v = i >= 2 ? rectangle[1] : -rectangle[1];
+    for (int k = 0; k < 3; ++k)
+      corner[i][k] = (tangent[k] * c + bitangent[k] * s) * along_u + (bitangent[k] * c - tangent[k] * s) * along_v - to_light_m[k];
+  }
+  const float angle = solidAngle(corner[0], corner[1], corner[2]) + solidAngle(corner[0], corner[2], corner[3]);
+  return angle * square * std::sqrt(square) / (area * height);
+}
+
 bool lightIrradiance(const PackedLight& light, const float* position_m, const float* normal, float* irradiance_rgb, float* to_light,
                      float& distance_m) {
   float attenuation = 1.0f;

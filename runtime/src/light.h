@@ -27,4 +27,8 @@ inline constexpr float kMaxIrradiance = 1e30f;
 bool lightIrradiance(const PackedLight& light, const float* position_m, const float* normal, float* irradiance_rgb, float* to_light,
                      float& distance_m);
 
+/// What the mean over a rectangle is of the value at its middle, for a light at `to_light_m` from the middle: (solid angle / area) / (cos / distance²).
+/// `rectangle`: half its sides in metres, and the turn of the first about `normal` in half turns (docs/format.md, section prm, entry_rectangle).
+float rectangleGain(const float* to_light_m, const float* normal, const float* rectangle);
+
 }  // namespace lightwell::runtime

@@ -1,13 +1,17 @@
 // A decoded precomputed radiance map. The arrays keep the types of the container; docs/format.md gives their meaning.
 #pragma once
+#include <atomic>
+
 #include "format/decode/headers.h"
 #include "runtime/src/host.h"
+#include "runtime/src/wavelets.h"
 
 struct lw_prm {
   template <class T>
   using Array = lightwell::runtime::Array<T>;
 
   lightwell::runtime::Host host;
+  std::atomic<uint32_t> owners = 1;     // handles that need it: the caller's, and those on OpenGL
   lightwell::format::PrmHeader header;
   uint32_t width = 0, height = 0;       // of the atlas
   Array<uint32_t> source;               // [height * width]; each texel's source is its own source, or none
@@ -16,6 +20,7 @@ struct lw_prm {
   Array<float> entry_position_m;        // [entries][3]
   Array<float> entry_normal;            // [entries][3]
   Array<float> entry_weight;            // [entries]
+  Array<float> entry_rectangle;         // [entries][3]: half the sides in metres, the turn in half turns; or empty: points
   Array<uint32_t> cluster_first_entry;  // [clusters + 1]
 
   // Panes: one of the two is filled.
@@ -28,10 +33,10 @@ struct lw_prm {
   Array<uint8_t> block_rank;            // [blocks]
   Array<int8_t> basis;                  // per block [texel][rank], value / 127
   Array<uint32_t> block_first_link;     // [blocks + 1]
-  Array<uint32_t> link_cluster;         // [links]
-  Array<float> coefficient_scale;       // per block [rank][3]
-  Array<int8_t> coefficient_i8;         // per block [link][rank][3]; one of the two is filled
-  Array<int16_t> coefficient_i16;
+  Array<uint32_t> link_wavelet;         // [links]
+  Array<float> coefficient_scale;       // per block [rank]
+  Array<int8_t> coefficient;            // per block [link][rank][3]
+  lightwell::runtime::WaveletTree tree; // over the clusters
 
   Array<uint32_t> emitter_direct_rgb9e5, emitter_indirect_rgb9e5;  // [texels], or empty
   Array<uint32_t> sky_direct_rgb9e5, sky_indirect_rgb9e5;          // [texels], times header.sky_scale; or empty
@@ -41,6 +46,20 @@ namespace lightwell::runtime {
 
 /// A local basis's number as GL reads GL_BYTE normalised: −128 is −1 too.
 inline float basisValue(int8_t v) { return v < -127 ? -1.0f : float(v) * (1.0f / 127.0f); }
+
+/// Makes one more owner; lw_prm_release ends one.
+inline lw_prm* retain(const lw_prm& prm) {
+  auto& owned = const_cast<lw_prm&>(prm);
+  owned.owners.fetch_add(1, std::memory_order_relaxed);
+  return &owned;
+}
+
+/// Floats of scratch memory for amounts(), the amounts themselves included.
+size_t amountScratchFloats(const lw_prm& prm);
+
+/// What the blocks' basis maps are multiplied with, for irradiance on the clusters: [sum of ranks][3] in the order of the blocks, such that
+/// irradiance = Σ_k basisValue(basis[k]) amount_rgb[k]. Lies in `scratch`.
+const float* amounts(const lw_prm& prm, const float* cluster_rgb, float* scratch);
 
 /// Luminance of a cluster's contribution to the atlas, by which the brightest are chosen. `pane_sum_rgb` is null for local bases.
 inline float contribution(const float* irradiance_rgb, const float* pane_sum_rgb) {

@@ -62,6 +62,11 @@ lw_result lw_prm_entry_irradiance(const lw_prm* prm, const lw_light* lights, uin
       float irradiance_rgb[3];
       const float *position = &prm->entry_position_m[size_t(e) * 3], *normal = &prm->entry_normal[size_t(e) * 3];
       if (!lightIrradiance(light, position, normal, irradiance_rgb, ray.direction, ray.distance_m)) continue;
+      if (!prm->entry_rectangle.empty() && !isType(light, LW_LIGHT_DIRECTIONAL)) {
+        const float to_light_m[3] = {light.position_m[0] - position[0], light.position_m[1] - position[1], light.position_m[2] - position[2]};
+        const float gain = rectangleGain(to_light_m, normal, &prm->entry_rectangle[size_t(e) * 3]);
+        for (float& v : irradiance_rgb) v = std::min(v * gain, kMaxIrradiance);
+      }
       std::memcpy(ray.origin_m, position, sizeof ray.origin_m);
       std::memcpy(ray.normal, normal, sizeof ray.normal);
       ray.entry = e;

@@ -109,24 +109,11 @@ void evaluatePanes(const lw_prm& prm, const float* irradiance_rgb, const Weight*
   }
 }
 
-template <class Coefficient>
-void evaluateLocalBases(const lw_prm& prm, const Coefficient* coefficient, const float* irradiance_rgb, float* rgba) {
+void evaluateLocalBases(const lw_prm& prm, const float* irradiance_rgb, float* scratch, float* rgba) {
   const int8_t* basis = prm.basis.data();
-  const float* scale = prm.coefficient_scale.data();
+  const float* amount_rgb = amounts(prm, irradiance_rgb, scratch);
   for (uint32_t block = 0; block < prm.header.blocks; ++block) {
     const uint32_t rank = prm.block_rank[block];
-    float amount_rgb[255 * 3];
-    std::fill_n(amount_rgb, rank * 3, 0.0f);
-    for (uint32_t l = prm.block_first_link[block]; l < prm.block_first_link[block + 1]; ++l, coefficient += rank * 3) {
-      const float* e = irradiance_rgb + size_t(prm.link_cluster[l]) * 3;
-      if (!(e[0] > 0 || e[1] > 0 || e[2] > 0)) continue;
-      for (uint32_t k = 0; k < rank; ++k) {
-        amount_rgb[k * 3] += float(coefficient[k * 3]) * e[0];
-        amount_rgb[k * 3 + 1] += float(coefficient[k * 3 + 1]) * e[1];
-        amount_rgb[k * 3 + 2] += float(coefficient[k * 3 + 2]) * e[2];
-      }
-    }
-    for (uint32_t i = 0; i < rank * 3; ++i) amount_rgb[i] *= *scale++;
     for (uint32_t t = prm.block_first_texel[block]; t < prm.block_first_texel[block + 1]; ++t, basis += rank) {
       float sum[3] = {};
       for (uint32_t k = 0; k < rank; ++k) {
@@ -137,6 +124,7 @@ void evaluateLocalBases(const lw_prm& prm, const Coefficient* coefficient, const
       for (int c = 0; c < 3; ++c) texel[c] = sane(sum[c]);
       texel[3] = 1.0f;
     }
+    amount_rgb += rank * 3;
   }
 }
 
@@ -158,7 +146,7 @@ using namespace lightwell::runtime;
 
 size_t lw_prm_scratch_bytes(const lw_prm* prm) {
   if (!prm) return 0;
-  return prm->pane_sum_rgb.empty() ? 0 : size_t(prm->header.clusters) * sizeof(Weight);
+  return prm->pane_sum_rgb.empty() ? amountScratchFloats(*prm) * sizeof(float) : size_t(prm->header.clusters) * sizeof(Weight);
 }
 
 lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb, const lw_prm_options* given, void* scratch,
@@ -178,8 +166,7 @@ lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb
     const uint32_t count = selectBrightest(*prm, cluster_irradiance_rgb, options.brightest, options.keep_energy != 0, weights, scale_rgb);
     evaluatePanes(*prm, cluster_irradiance_rgb, weights, count, scale_rgb, atlas_rgba);
   } else {
-    if (prm->coefficient_i8.empty()) evaluateLocalBases(*prm, prm->coefficient_i16.data(), cluster_irradiance_rgb, atlas_rgba);
-    else evaluateLocalBases(*prm, prm->coefficient_i8.data(), cluster_irradiance_rgb, atlas_rgba);
+    evaluateLocalBases(*prm, cluster_irradiance_rgb, static_cast<float*>(scratch), atlas_rgba);
   }
   const float once[3] = {1, 1, 1}, scale = prm->header.sky_scale;
   const float sky_rgb[3] = {options.sky_rgb[0] * scale, options.sky_rgb[1] * scale, options.sky_rgb[2] * scale};

@@ -150,16 +150,63 @@ class Loader {
       rank_sum += rank;
     }
     decode("basis", ElementType::i8, basis_size, prm_.basis);
-    decode("link_cluster", ElementType::u32, links, prm_.link_cluster);
-    decode("coefficient_scale", ElementType::f32, rank_sum * 3, prm_.coefficient_scale);
-    if (elementOf("coefficient") == ElementType::i16) decode("coefficient", ElementType::i16, coefficient_size, prm_.coefficient_i16);
-    else decode("coefficient", ElementType::i8, coefficient_size, prm_.coefficient_i8);
+    decode("link_wavelet", ElementType::u32, links, prm_.link_wavelet);
+    decode("coefficient_scale", ElementType::f32, rank_sum, prm_.coefficient_scale);
     if (result_) return;
     for (uint32_t b = 0; b < h.blocks; ++b)
       for (uint32_t l = prm_.block_first_link[b]; l < prm_.block_first_link[b + 1]; ++l)
-        if (prm_.link_cluster[l] >= h.clusters || (l > prm_.block_first_link[b] && prm_.link_cluster[l] <= prm_.link_cluster[l - 1]))
-          return void(bad("link_cluster", "the links of a block do not ascend, or one is no cluster"));
+        if (prm_.link_wavelet[l] >= WaveletTree::wavelets(h.clusters) || (l > prm_.block_first_link[b] && prm_.link_wavelet[l] < prm_.link_wavelet[l - 1]))
+          return void(bad("link_wavelet", "the links of a block do not ascend, or one is no wavelet"));
     require(allFinite(prm_.coefficient_scale.data(), prm_.coefficient_scale.size()), "coefficient_scale", "a value is not finite");
+    loadCoefficients(coefficient_size);
+    loadTree();
+    loadRectangles();
+  }
+
+  /// As stored: per block [rank][G, R - G, B - G][link].
+  void loadCoefficients(uint64_t size) {
+    Array<int8_t> stored;
+    decode("coefficient", ElementType::i8, size, stored);
+    if (!allocate(prm_.coefficient, size)) return;
+    const int8_t* from = stored.data();
+    int8_t* to = prm_.coefficient.data();
+    for (uint32_t b = 0; b < prm_.header.blocks; ++b) {
+      const size_t links = prm_.block_first_link[b + 1] - prm_.block_first_link[b], rank = prm_.block_rank[b];
+      for (size_t k = 0; k < rank; ++k, from += links * 3)
+        for (size_t l = 0; l < links; ++l) {
+          const auto green = uint8_t(from[l]);
+          int8_t* rgb = to + (l * rank + k) * 3;
+          rgb[0] = int8_t(uint8_t(green + uint8_t(from[links + l])));
+          rgb[1] = int8_t(green);
+          rgb[2] = int8_t(uint8_t(green + uint8_t(from[2 * links + l])));
+        }
+      to += links * rank * 3;
+    }
+  }
+
+  void loadTree() {
+    const uint32_t clusters = prm_.header.clusters;
+    Array<uint32_t> first_leaves;
+    Array<uint16_t> first_share;
+    Array<uint8_t> unit;
+    decode("tree_first_leaves", ElementType::u32, clusters - 1, first_leaves);
+    decode("tree_first_share", ElementType::u16, clusters - 1, first_share);
+    decode("wavelet_unit", ElementType::u8, WaveletTree::wavelets(clusters), unit);
+    if (result_) return;
+    bool out_of_memory = false;
+    if (const char* reason = prm_.tree.load(container_.host, clusters, first_leaves, first_share, unit, out_of_memory)) {
+      if (out_of_memory) result_ = container_.host.fail(LW_OUT_OF_MEMORY, "prm: %s", reason);
+      else bad("tree_first_leaves", reason);
+    }
+  }
+
+  void loadRectangles() {
+    const uint64_t numbers = uint64_t(prm_.header.entries) * 3;
+    Array<uint16_t> half;
+    decode("entry_rectangle", ElementType::f16, numbers, half);
+    if (!allocate(prm_.entry_rectangle, numbers)) return;
+    for (uint64_t i = 0; i < numbers; ++i) prm_.entry_rectangle[i] = format::unpackHalf(half[i]);
+    require(allFinite(prm_.entry_rectangle.data(), numbers), "entry_rectangle", "a value is not finite");
   }
 
   const lw_container& container_;
@@ -184,7 +231,9 @@ lw_result lw_prm_load(const lw_container* container, lw_prm** out) {
   return LW_OK;
 }
 
-void lw_prm_release(lw_prm* prm) { destroyHandle(prm); }
+void lw_prm_release(lw_prm* prm) {
+  if (prm && prm->owners.fetch_sub(1, std::memory_order_acq_rel) == 1) destroyHandle(prm);
+}
 
 lw_result lw_prm_get_info(const lw_prm* prm, lw_prm_info* info) {
   if (!prm || !info) return LW_INVALID_ARGUMENT;

@@ -117,13 +117,18 @@ Content localBasesContent() {
   c.entry_normal.insert(c.entry_normal.end(), {0, 32767});
   c.entry_weight.push_back(1);
   c.cluster_first_entry.push_back(4);
+  for (const float number : {0.25f, 0.5f, 0.0f, 0.25f, 0.25f, -0.75f, 0.0f, 0.0f, 0.0f, 2.0f, 0.125f, 1.0f})
+    c.entry_rectangle.push_back(packHalf(number));
+  c.tree_first_leaves = {2, 1};
+  c.tree_first_share = {0x8000, 0xffff};
+  c.wavelet_unit = {160, 168, 152, 0, 161, 255, 1};
   c.block_first_texel = {0, 2, 3};
   c.block_rank = {2, 1};
   c.basis = {127, -3, 90, 40, 127};
-  c.block_first_link = {0, 2, 3};
-  c.link_cluster = {0, 1, 1};
-  c.coefficient_scale = {0.5f, 0.25f, 0.125f, 0.5f, 0.25f, 0.125f, 1, 1, 1};
-  c.coefficient = {127, 1, 2, 3, 4, -5, 6, 7, 8, 9, -128, 11, 12, 13, 14};
+  c.block_first_link = {0, 3, 4};
+  c.link_wavelet = {1, 1, 5, 6};
+  c.coefficient_scale = {0.5f, 0.25f, 1};
+  c.coefficient = {127, 1, 2, 3, 4, -5, 6, 7, 8, 9, -128, 11, 12, 13, 14, 15, 16, 17, -1, 0, 1};
   return c;
 }
 
@@ -173,14 +178,17 @@ Writer toWriter(const Content& c) {
   array("prm", "cluster_first_entry", c.cluster_first_entry);
   array("prm", "texel", c.texel);
   if (c.prm.layout() == v1::PRM_LAYOUT_LOCAL_BASES) {
+    array("prm", "entry_rectangle", c.entry_rectangle, {c.entry_rectangle.size() / 3, 3}, ElementType::f16);
+    array("prm", "tree_first_leaves", c.tree_first_leaves);
+    array("prm", "tree_first_share", c.tree_first_share);
+    array("prm", "wavelet_unit", c.wavelet_unit);
     array("prm", "block_first_texel", c.block_first_texel);
     array("prm", "block_rank", c.block_rank);
     array("prm", "basis", c.basis);
     array("prm", "block_first_link", c.block_first_link);
-    array("prm", "link_cluster", c.link_cluster);
+    array("prm", "link_wavelet", c.link_wavelet);
     array("prm", "coefficient_scale", c.coefficient_scale);
-    if (c.coefficient_wide.empty()) array("prm", "coefficient", c.coefficient);
-    else array("prm", "coefficient", c.coefficient_wide);
+    array("prm", "coefficient", c.coefficient);
   } else if (!c.pane_half.empty()) {
     array("prm", "pane", c.pane_half, {c.prm.clusters(), c.texel.size(), 3}, ElementType::f16);
   } else {

@@ -11,7 +11,8 @@
 namespace lightwell::format {
 
 /// A 4 × 4 atlas (row 0 covered, row 1 gutter, the rest nothing) over two triangles, the second cut-out; three entries in two clusters,
-/// and for local bases four in three.
+/// and for local bases four in three,
+/// with a tree of the first two and the third and a wavelet that a block links twice.
 struct Content {
   v1::MetaHeader meta;
   v1::SceneHeader scene;
@@ -34,10 +35,11 @@ struct Content {
   std::vector<uint32_t> cluster_first_entry, texel;
   std::vector<uint32_t> pane;
   std::vector<uint16_t> pane_half;  // instead of `pane` when not empty
-  std::vector<uint32_t> block_first_texel, block_first_link, link_cluster;
-  std::vector<uint8_t> block_rank;
+  std::vector<uint16_t> entry_rectangle;  // halfs
+  std::vector<uint32_t> tree_first_leaves, block_first_texel, block_first_link, link_wavelet;
+  std::vector<uint16_t> tree_first_share;
+  std::vector<uint8_t> wavelet_unit, block_rank;
   std::vector<int8_t> basis, coefficient;
-  std::vector<int16_t> coefficient_wide;  // instead of `coefficient` when not empty
   std::vector<float> coefficient_scale;
   std::vector<uint32_t> emitter_direct, emitter_indirect;
   std::vector<uint32_t> sky_direct, sky_indirect;  // not written when empty

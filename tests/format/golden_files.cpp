@@ -71,8 +71,6 @@ std::vector<GoldenFile> validFiles() {
   optional.chunk("radiosity", "form_factor", ElementType(200), {1, 2, 3}, Codec(77), "of a later version");
   Content halves = panesContent();
   halves.pane_half = {0, 0x3c00, 0x7bff, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-  Content wide = localBasesContent();
-  wide.coefficient_wide = {32767, -32768, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
   Content opaque = panesContent();
   opaque.triangle_flags = {0, 1};
   opaque.prm.set_has_emitter(false);
@@ -85,7 +83,6 @@ std::vector<GoldenFile> validFiles() {
           {"valid/panes.lwc", toWriter(panesContent()).bytes()},
           {"valid/panes_half.lwc", toWriter(halves).bytes()},
           {"valid/local_bases.lwc", toWriter(localBasesContent()).bytes()},
-          {"valid/local_bases_wide.lwc", toWriter(wide).bytes()},
           {"valid/opaque.lwc", toWriter(opaque).bytes()},
           {"valid/environment.lwc", toWriter(environmentContent()).bytes()},
           {"valid/sky_panes.lwc", toWriter(skyPanesContent()).bytes()},
@@ -180,6 +177,18 @@ std::vector<GoldenFile> invalidFiles() {
   Content weights = panesContent();
   weights.entry_weight[0] = 0.5f;
   add("bad_section.weights", toWriter(weights).bytes());
+  Content tree = localBasesContent();
+  tree.tree_first_leaves[1] = 2;
+  add("bad_section.prm_tree", toWriter(tree).bytes());
+  Content share = localBasesContent();
+  share.tree_first_share[0] = 0;
+  add("bad_section.prm_share", toWriter(share).bytes());
+  Content wavelet = localBasesContent();
+  wavelet.link_wavelet[3] = 7;
+  add("bad_section.prm_wavelet", toWriter(wavelet).bytes());
+  Content rectangle = localBasesContent();
+  rectangle.entry_rectangle[0] = 0x7c00;
+  add("bad_section.prm_rectangle", toWriter(rectangle).bytes());
   EnvironmentContent flux = environmentContent();
   flux.flux[3] *= 2;
   add("bad_section.environment_flux", toWriter(flux).bytes());

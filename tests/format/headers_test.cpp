@@ -54,6 +54,12 @@ TEST(Headers, AtlasAndPrm) {
   EXPECT_EQ(prm.max_rank, 2u);
   EXPECT_EQ(prm.brightest, 0u);
   EXPECT_TRUE(prm.has_emitter);
+  for (const int reserved : {2, 4, 77}) {
+    content.prm.set_layout(v1::PrmLayout(reserved));
+    const std::string bytes = content.prm.SerializeAsString();
+    ASSERT_TRUE(parsePrmHeader(data(bytes), bytes.size(), prm));
+    EXPECT_EQ(prm.layout, PrmLayout::unknown) << reserved;
+  }
 }
 
 TEST(Headers, Scene) {

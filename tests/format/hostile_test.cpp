@@ -252,9 +252,11 @@ TEST(Hostile, DamagedValuesNeverBreakVerify) {
     spoil(content.position), spoil(content.normal), spoil(content.lightmap_uv), spoil(content.index), spoil(content.triangle_flags);
     spoil(content.triangle_alpha), spoil(content.source), spoil(content.coverage), spoil(content.albedo);
     spoil(content.entry_position), spoil(content.entry_weight), spoil(content.cluster_first_entry), spoil(content.texel);
-    spoil(content.block_first_texel), spoil(content.block_first_link), spoil(content.link_cluster), spoil(content.block_rank);
+    spoil(content.block_first_texel), spoil(content.block_first_link), spoil(content.link_wavelet), spoil(content.block_rank);
+    spoil(content.entry_rectangle), spoil(content.tree_first_leaves), spoil(content.tree_first_share), spoil(content.wavelet_unit);
     spoil(content.basis), spoil(content.coefficient), spoil(content.coefficient_scale);
     if (random() % 5 == 0) content.prm.set_max_rank(uint32_t(random()));
+    if (i % 2 && random() % 5 == 0) content.prm.set_clusters(uint32_t(random() % 3 ? random() % 8 : random()));
     if (random() % 5 == 0) content.atlas.set_width(uint32_t(random() % 8));
     const std::vector<uint8_t> file = toWriter(content).bytes();
     EXPECT_LE(verify(memorySource(file.data(), file.size())).size(), 100u);

@@ -80,6 +80,14 @@ const std::vector<Breach>& breaches() {
       {"TexelTwice", IssueId::order, "prm/texel", [](Content& c) { c.texel[0] = 1; }},
       {"TexelUncovered", IssueId::cross_section, "prm/texel", [](Content& c) { c.texel[0] = 9; }},
       {"LayoutUnknown", IssueId::header_value, "prm/header", [](Content& c) { c.prm.clear_layout(); }},
+      {"LayoutReserved", IssueId::header_value, "prm/header", [](Content& c) { c.prm.set_layout(v1::PrmLayout(2)); }},
+      {"BasesWithoutClusters", IssueId::header_value, "prm/header",
+       [](Content& c) {
+         c.prm.set_entries(0), c.prm.set_clusters(0);
+         c.entry_position.clear(), c.entry_normal.clear(), c.entry_weight.clear();
+         c.cluster_first_entry = {0};
+       },
+       true},
       {"PaneMissing", IssueId::chunk_missing, "prm/pane", [](Content& c) { c.left_out = {"prm/pane"}; }},
       {"PaneInfinite", IssueId::not_finite, "prm/pane", [](Content& c) { c.pane_half.assign(18, 0x7c00); }},
       {"PaneNegative", IssueId::not_finite, "prm/pane", [](Content& c) { c.pane_half.assign(18, 0xbc00); }},
@@ -88,14 +96,28 @@ const std::vector<Breach>& breaches() {
       {"SkyMissing", IssueId::chunk_missing, "prm/sky_direct", [](Content& c) { (c = skyPanesContent()).sky_direct.clear(); }},
       {"SkyScale", IssueId::header_value, "prm/header", [](Content& c) { (c = skyPanesContent()).prm.set_sky_scale(3); }},
       {"BlockOrder", IssueId::order, "prm/block_first_texel", [](Content& c) { c.block_first_texel[1] = 0; }, true},
+      {"MaxRank", IssueId::header_value, "prm/header", [](Content& c) { c.prm.set_max_rank(256); }, true},
       {"BlockRank", IssueId::value_range, "prm/block_rank", [](Content& c) { c.block_rank[0] = 3; }, true},
       {"BasisCount", IssueId::chunk_shape, "prm/basis", [](Content& c) { c.basis.pop_back(); }, true},
       {"BasisReserved", IssueId::value_range, "prm/basis", [](Content& c) { c.basis[0] = INT8_MIN; }, true},
-      {"LinkFalls", IssueId::order, "prm/block_first_link", [](Content& c) { c.block_first_link[1] = 4; }, true},
-      {"LinkOrder", IssueId::order, "prm/link_cluster", [](Content& c) { c.link_cluster[1] = 0; }, true},
-      {"LinkRange", IssueId::index_range, "prm/link_cluster", [](Content& c) { c.link_cluster[2] = 3; }, true},
+      {"LinkFalls", IssueId::order, "prm/block_first_link", [](Content& c) { c.block_first_link[1] = 5; }, true},
+      {"LinkOrder", IssueId::order, "prm/link_wavelet", [](Content& c) { c.link_wavelet[1] = 0; }, true},
+      {"LinkRange", IssueId::index_range, "prm/link_wavelet", [](Content& c) { c.link_wavelet[3] = 7; }, true},
+      {"LinkCount", IssueId::order, "prm/block_first_link", [](Content& c) { c.link_wavelet.push_back(6); }, true},
+      {"TreeAllInFirst", IssueId::value_range, "prm/tree_first_leaves", [](Content& c) { c.tree_first_leaves[0] = 3; }, true},
+      {"TreeNoneInFirst", IssueId::value_range, "prm/tree_first_leaves", [](Content& c) { c.tree_first_leaves[1] = 0; }, true},
+      {"TreeBeyondParent", IssueId::value_range, "prm/tree_first_leaves", [](Content& c) { c.tree_first_leaves[1] = 2; }, true},
+      {"TreeCount", IssueId::chunk_shape, "prm/tree_first_leaves", [](Content& c) { c.tree_first_leaves.push_back(1); }, true},
+      {"ShareZero", IssueId::value_range, "prm/tree_first_share", [](Content& c) { c.tree_first_share[1] = 0; }, true},
+      {"ShareCount", IssueId::chunk_shape, "prm/tree_first_share", [](Content& c) { c.tree_first_share.pop_back(); }, true},
+      {"UnitCount", IssueId::chunk_shape, "prm/wavelet_unit", [](Content& c) { c.wavelet_unit.push_back(160); }, true},
+      {"RectangleInfinite", IssueId::not_finite, "prm/entry_rectangle", [](Content& c) { c.entry_rectangle[4] = 0x7c00; }, true},
+      {"RectangleNan", IssueId::not_finite, "prm/entry_rectangle", [](Content& c) { c.entry_rectangle[11] = 0xfe01; }, true},
+      {"RectangleCount", IssueId::chunk_shape, "prm/entry_rectangle", [](Content& c) { c.entry_rectangle.resize(9); }, true},
+      {"RectangleMissing", IssueId::chunk_missing, "prm/entry_rectangle", [](Content& c) { c.left_out = {"prm/entry_rectangle"}; }, true},
       {"ScaleNan", IssueId::not_finite, "prm/coefficient_scale", [](Content& c) { c.coefficient_scale[0] = NAN; }, true},
       {"ScaleCount", IssueId::chunk_shape, "prm/coefficient_scale", [](Content& c) { c.coefficient_scale.pop_back(); }, true},
+      {"ScaleNegative", IssueId::not_finite, "prm/coefficient_scale", [](Content& c) { c.coefficient_scale[2] = -1; }, true},
       {"CoefficientCount", IssueId::chunk_shape, "prm/coefficient", [](Content& c) { c.coefficient.push_back(0); }, true},
       {"BasesBrightest", IssueId::header_value, "prm/header", [](Content& c) { c.prm.set_brightest(1); }, true},
   };
@@ -105,6 +127,30 @@ const std::vector<Breach>& breaches() {
 TEST(Verify, SoundContentHasNoIssues) {
   EXPECT_EQ(listed(issuesOf(panesContent())), "");
   EXPECT_EQ(listed(issuesOf(localBasesContent())), "");
+}
+
+/// A tree of one leaf has no nodes; and it may be as deep as there are clusters.
+TEST(Verify, TreesOfAnyShapeAreSound) {
+  Content one = localBasesContent();
+  one.prm.set_clusters(1);
+  one.entry_weight = {0.25f, 0.25f, 0.25f, 0.25f};
+  one.cluster_first_entry = {0, 4};
+  one.tree_first_leaves.clear(), one.tree_first_share.clear();
+  one.wavelet_unit = {160};
+  one.link_wavelet.assign(4, 0);
+  EXPECT_EQ(listed(issuesOf(one)), "");
+  for (const bool first : {false, true}) {
+    constexpr uint32_t kClusters = 1000;
+    Content deep = localBasesContent();
+    deep.prm.set_entries(kClusters), deep.prm.set_clusters(kClusters);
+    deep.entry_position.assign(kClusters * 3, 0), deep.entry_normal.assign(kClusters * 2, 0), deep.entry_weight.assign(kClusters, 1);
+    deep.entry_rectangle.assign(kClusters * 3, 0);
+    deep.cluster_first_entry.resize(kClusters + 1), deep.tree_first_leaves.resize(kClusters - 1);
+    for (uint32_t c = 0; c <= kClusters; ++c) deep.cluster_first_entry[c] = c;
+    for (uint32_t n = 0; n + 1 < kClusters; ++n) deep.tree_first_leaves[n] = first ? kClusters - 1 - n : 1;
+    deep.tree_first_share.assign(kClusters - 1, 1), deep.wavelet_unit.assign(3 * kClusters - 2, 160);
+    EXPECT_EQ(listed(issuesOf(deep)), "") << first;
+  }
 }
 
 class Invariant : public testing::TestWithParam<size_t> {};

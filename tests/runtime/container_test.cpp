@@ -189,7 +189,7 @@ TEST(Container, OpensFromFileAndCallbacks) {
 
 TEST(Container, ReturnsAllMemoryAndSurvivesItsLack) {
   SyntheticOptions options;
-  options.layout = Layout::bases_i16;
+  options.layout = Layout::local_bases;
   const auto bytes = makeSyntheticPrm(options).container;
   size_t needed = 0;
   for (size_t fail_at = SIZE_MAX;; fail_at = fail_at == SIZE_MAX ? 0 : fail_at + 1) {
@@ -253,7 +253,7 @@ TEST(Container, FindsEveryDamagedByte) {
   SyntheticOptions options;
   options.width = options.height = 6;
   options.clusters = 4;
-  for (const Layout layout : {Layout::panes_rgb9e5, Layout::bases_i8}) {
+  for (const Layout layout : {Layout::panes_rgb9e5, Layout::local_bases}) {
     options.layout = layout;
     options.blocks = 3;
     const auto sound = makeSyntheticPrm(options).container;
@@ -294,12 +294,17 @@ TEST(Container, FindsValuesThatCannotBe) {
       {Layout::panes_half, "cluster_first_entry", [](auto& v) { v[5] = v[6]; }},
       {Layout::panes_half, "cluster_first_entry", [](auto& v) { v.back() += 1; }},
       {Layout::panes_half, "cluster_first_entry", [](auto& v) { v[5] = 0x7fffffff; }},
-      {Layout::bases_i8, "block_first_texel", [](auto& v) { v[3] = 0x7fffffff; }},
-      {Layout::bases_i8, "block_first_texel", [](auto& v) { std::swap(v[3], v[4]); }},
-      {Layout::bases_i8, "block_first_link", [](auto& v) { v[3] = 0x7fffffff; }},
-      {Layout::bases_i8, "block_first_link", [](auto& v) { v[0] = 1; }},
-      {Layout::bases_i8, "link_cluster", [](auto& v) { v.back() = 40; }},
-      {Layout::bases_i8, "link_cluster", [](auto& v) { v[1] = v[0]; }},
+      {Layout::local_bases, "block_first_texel", [](auto& v) { v[3] = 0x7fffffff; }},
+      {Layout::local_bases, "block_first_texel", [](auto& v) { std::swap(v[3], v[4]); }},
+      {Layout::local_bases, "block_first_link", [](auto& v) { v[3] = 0x7fffffff; }},
+      {Layout::local_bases, "block_first_link", [](auto& v) { v[0] = 1; }},
+      {Layout::local_bases, "link_wavelet", [](auto& v) { v.back() = 3 * 40 - 2; }},
+      {Layout::local_bases, "link_wavelet", [](auto& v) { v[0] = 3 * 40 - 3; }},  // falls to the second
+      {Layout::local_bases, "tree_first_leaves", [](auto& v) { v[0] = 0; }},
+      {Layout::local_bases, "tree_first_leaves", [](auto& v) { v[0] = 40; }},
+      {Layout::local_bases, "tree_first_leaves", [](auto& v) { v.back() = 0xffffffff; }},
+      {Layout::local_bases, "tree_first_share", [](auto& v) { v[38] = 0; }},
+      {Layout::local_bases, "wavelet_unit", [](auto& v) { v.push_back(160); }},
   };
   for (size_t i = 0; i < cases.size(); ++i) {
     SyntheticOptions options;
@@ -317,9 +322,9 @@ TEST(Container, FindsValuesThatCannotBe) {
     EXPECT_EQ(lw_prm_load(container.get(), &prm), LW_BAD_SECTION) << i;
     EXPECT_THAT(host.message, testing::HasSubstr(cases[i].chunk)) << i;
   }
-  for (const char* chunk : {"entry_position", "entry_weight", "coefficient_scale"}) {
+  for (const char* chunk : {"entry_position", "entry_weight", "entry_rectangle", "coefficient_scale"}) {
     SyntheticOptions options;
-    options.layout = Layout::bases_i16;
+    options.layout = Layout::local_bases;
     options.edit_f32 = [&](std::string_view name, std::vector<float>& values) {
       if (name == chunk) values[2] = NAN;
     };

@@ -1,5 +1,6 @@
 // The GL evaluator against the plain double-precision sum and against the CPU.
 #include "tests/runtime/gl_fixture.h"
+#include "tests/runtime/rectangle_entries.h"
 
 namespace lightwell::test {
 namespace {
@@ -8,7 +9,7 @@ class GlEvaluate : public GlFixture {};
 LW_INSTANTIATE_GL(GlEvaluate);
 
 TEST_P(GlEvaluate, AgreesWithThePlainSumInEveryLayout) {
-  for (const Layout layout : {Layout::panes_rgb9e5, Layout::panes_half, Layout::bases_i8, Layout::bases_i16}) {
+  for (const Layout layout : {Layout::panes_rgb9e5, Layout::panes_half, Layout::local_bases}) {
     SyntheticOptions options;
     options.layout = layout;
     load(options);
@@ -56,7 +57,7 @@ TEST_P(GlEvaluate, RanksTheBrightestAsTheCpuDoes) {
 }
 
 TEST_P(GlEvaluate, FollowsLightsFromTheEntriesToTheAtlas) {
-  for (const Layout layout : {Layout::panes_rgb9e5, Layout::bases_i16}) {
+  for (const Layout layout : {Layout::panes_rgb9e5, Layout::local_bases}) {
     SyntheticOptions options;
     options.layout = layout;
     load(options);
@@ -85,11 +86,65 @@ TEST_P(GlEvaluate, FollowsLightsFromTheEntriesToTheAtlas) {
         for (const float v : gl_clusters) ASSERT_EQ(v, 0.0f);
         continue;
       }
-      EXPECT_LT(relrmse(gl_entries, entries), 1e-5);
-      EXPECT_LT(relrmse(gl_clusters, clusters), 1e-5);
+      const double most = layout == Layout::local_bases ? kRectangleError : 1e-5;
+      EXPECT_LT(relrmse(gl_entries, entries), most);
+      EXPECT_LT(relrmse(gl_clusters, clusters), most);
       ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
       EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(clusters)), 0.002);
     }
+  }
+}
+
+TEST_P(GlEvaluate, AveragesLightOverRectanglesAsTheCpuDoes) {
+  for (const auto& normal : kRectangleNormals) {
+    const RectangleEntries rectangle(normal);
+    load(rectangle.options());
+    const GlPrm gl_prm = upload();
+    std::vector<float> cpu(size_t(synthetic.entries()) * 3);
+    for (const auto& [u, v, height] : RectangleEntries::lightPlaces(40)) {
+      const auto p = rectangle.at(u, v, height);
+      const lw_gl_light light = glPointLight(p[0], p[1], p[2], 1);
+      ASSERT_EQ(lw_gl_update_entries(gl_prm.get(), &light, 1), LW_OK);
+      ASSERT_EQ(lw_prm_entry_irradiance(prm.get(), &light.light, 1, nullptr, nullptr, cpu.data()), LW_OK);
+      const auto entries = readEntries(gl_prm.get());
+      for (size_t e = 0; e < 5; ++e) ASSERT_NEAR(entries[e * 3], cpu[e * 3], 1e-3f * cpu[e * 3]) << e << " at " << height;
+      EXPECT_NEAR(entries[0], RectangleEntries::meanIrradiance(u, v, height), 3e-3 * entries[0]);
+    }
+  }
+}
+
+TEST_P(GlEvaluate, SumsLocalBasesAtTheirLimits) {
+  for (const SyntheticOptions& options : extremeLocalBases()) {
+    load(options);
+    const GlPrm gl_prm = upload();
+    std::vector<float> irradiance(size_t(options.clusters) * 3);
+    for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] = 0.5f + float(i);
+    ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
+    ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
+    EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(irradiance)), 1e-5) << options.clusters << " clusters, " << options.blocks << " blocks";
+  }
+}
+
+/// Amounts of blocks are summed from what was updated last, on whichever side.
+TEST_P(GlEvaluate, LocalBasesFollowWhicheverLightCameLast) {
+  SyntheticOptions options;
+  options.layout = Layout::local_bases;
+  load(options);
+  const GlPrm gl_prm = upload();
+  prm.reset();  // what is on OpenGL needs it no longer
+  std::vector<float> clusters(size_t(options.clusters) * 3);
+  const lw_gl_light light = glPointLight(0.5f, 2, -0.5f, 20);
+  for (const int round : {0, 1}) {
+    const auto irradiance = randomIrradiance(options.clusters, 20 + uint32_t(round));
+    ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
+    for (int repeated = 0; repeated < 2; ++repeated) {
+      ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
+      EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(irradiance)), 1e-5);
+    }
+    ASSERT_EQ(lw_gl_update_entries(gl_prm.get(), &light, 1), LW_OK);
+    ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
+    ASSERT_EQ(lw_gl_read_clusters(gl_prm.get(), clusters.data()), LW_OK);
+    EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(clusters)), 1e-5);
   }
 }
 

@@ -12,6 +12,9 @@
 
 namespace lightwell::test {
 
+/// relrmse of light at entries that are rectangles, against the CPU: GL's arctangents are coarse.
+inline constexpr double kRectangleError = 5e-5;
+
 using GlPrm = std::unique_ptr<lw_gl_prm, decltype(&lw_gl_prm_destroy)>;
 
 class GlFixture : public GlTest {

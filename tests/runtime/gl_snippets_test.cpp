@@ -53,7 +53,7 @@ LW_INSTANTIATE_GL(GlSnippets);
 
 TEST_P(GlSnippets, LocalBasesAreReconstructedInTheGamesShader) {
   SyntheticOptions options;
-  options.layout = Layout::bases_i16;
+  options.layout = Layout::local_bases;
   load(options);
   const GlPrm gl_prm = upload();
   const auto irradiance = randomIrradiance(options.clusters, 4);

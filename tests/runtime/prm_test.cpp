@@ -100,7 +100,20 @@ TEST_P(PrmEvaluation, StaysFinite) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, PrmEvaluation,
-                         testing::Values(Layout::panes_rgb9e5, Layout::panes_half, Layout::bases_i8, Layout::bases_i16));
+                         testing::Values(Layout::panes_rgb9e5, Layout::panes_half, Layout::local_bases));
+
+TEST(PrmLocalBases, AreSummedAtTheirLimits) {
+  for (const SyntheticOptions& options : extremeLocalBases()) {
+    const SyntheticPrm synthetic = makeSyntheticPrm(options);
+    const Container container = openMemory(synthetic.container);
+    const Prm prm = loadPrm(container.get());
+    std::vector<float> irradiance(size_t(options.clusters) * 3), scratch(lw_prm_scratch_bytes(prm.get()) / sizeof(float));
+    for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] = 0.5f + float(i);
+    std::vector<float> atlas(synthetic.source.size() * 4);
+    ASSERT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), nullptr, scratch.data(), scratch.size() * sizeof(float), atlas.data()), LW_OK);
+    EXPECT_LT(relrmse(atlas, synthetic.evaluate(irradiance)), 2e-6) << options.clusters << " clusters, " << options.blocks << " blocks";
+  }
+}
 
 class PrmPanes : public PrmEvaluation {};
 

@@ -49,6 +49,9 @@ void makeTexels(Random& random, SyntheticPrm& prm, std::vector<uint8_t>& coverag
   std::shuffle(prm.texel.begin(), prm.texel.end(), random.engine);
 }
 
+bool isPanes(Layout layout) { return layout != Layout::local_bases; }
+
+/// Entries around the origin; with local bases each is a rectangle, some of them far smaller than others.
 void makeEntries(Random& random, SyntheticPrm& prm, std::vector<int16_t>& oct) {
   prm.cluster_first_entry = {0};
   for (uint32_t c = 0; c < prm.options.clusters; ++c) {
@@ -59,14 +62,23 @@ void makeEntries(Random& random, SyntheticPrm& prm, std::vector<int16_t>& oct) {
     for (const double w : weights) {
       prm.entry_weight.push_back(float(w / sum));
       for (int k = 0; k < 3; ++k) prm.entry_position.push_back(float(random.uniform() * 4 - 2));
-      const format::Oct16 packed =
-          format::packOct({float(random.uniform() - 0.5), float(random.uniform() - 0.5), float(random.uniform() - 0.5)});
-      oct.insert(oct.end(), {packed.x, packed.y});
-      const format::Float3 n = format::unpackOct(packed);
-      prm.entry_normal.insert(prm.entry_normal.end(), {n.x, n.y, n.z});
+      for (int k = 0; k < 3; ++k) prm.entry_normal.push_back(float(random.uniform() - 0.5));
+      if (isPanes(prm.options.layout)) continue;
+      const double size = std::exp(5 * random.uniform() - 5.5);
+      for (const double number : {size * (0.5 + random.uniform()), size, 2 * random.uniform() - 1})
+        prm.entry_rectangle.push_back(float(number));
     }
     prm.cluster_first_entry.push_back(prm.entries());
   }
+  prm.options.place_entries(prm);
+  for (uint32_t e = 0; e < prm.entries(); ++e) {
+    float* n = &prm.entry_normal[e * 3];
+    const format::Oct16 packed = format::packOct({n[0], n[1], n[2]});
+    oct.insert(oct.end(), {packed.x, packed.y});
+    const format::Float3 stored = format::unpackOct(packed);
+    n[0] = stored.x, n[1] = stored.y, n[2] = stored.z;
+  }
+  for (float& number : prm.entry_rectangle) number = format::unpackHalf(format::packHalf(number));
 }
 
 std::vector<uint32_t> makeEmitter(Random& random, const SyntheticPrm& prm, std::vector<double>& values) {
@@ -103,47 +115,106 @@ void addPanes(Random& random, SyntheticPrm& prm, format::Writer& writer) {
   else writer.add("prm", "pane", half, {clusters, texels, 3}, ElementType::f16);
 }
 
-/// Blocks differ in size, rank (zero and one among them) and links; some links are missing altogether.
+/// A tree of random splits, and every wavelet as weights of the clusters.
+struct RandomTree {
+  using Weights = std::vector<double>;  // [clusters]
+  std::vector<uint32_t> first_leaves, first_share;
+  std::vector<Weights> mean, difference;  // [inner nodes]
+
+  Weights build(Random& random, uint32_t clusters, uint32_t first_leaf, uint32_t leaves) {
+    Weights weights(clusters, 0.0);
+    if (leaves == 1) {
+      weights[first_leaf] = 1;
+      return weights;
+    }
+    const size_t node = first_leaves.size();
+    const uint32_t split = 1 + random.below(leaves - 1), share = 1 + random.below(0xffff);
+    first_leaves.push_back(split);
+    first_share.push_back(share);
+    mean.emplace_back(), difference.emplace_back();
+    const Weights first = build(random, clusters, first_leaf, split), second = build(random, clusters, first_leaf + split, leaves - split);
+    Weights less(clusters);
+    for (uint32_t c = 0; c < clusters; ++c) {
+      weights[c] = share / 65536.0 * first[c] + (1 - share / 65536.0) * second[c];
+      less[c] = first[c] - second[c];
+    }
+    mean[node] = weights;
+    difference[node] = less;
+    return weights;
+  }
+};
+
+template <class T>
+void addNarrow(const SyntheticPrm& prm, format::Writer& writer, std::string_view name, std::vector<uint32_t> values) {
+  prm.options.edit_u32(name, values);
+  writer.add("prm", name, std::vector<T>(values.begin(), values.end()));
+}
+
+/// Blocks differ in size, rank (zero and one among them) and links; some wavelets are linked several times, others by no block.
 void addLocalBases(Random& random, SyntheticPrm& prm, format::Writer& writer) {
   const uint32_t blocks = prm.options.blocks, texels = uint32_t(prm.texel.size()), clusters = prm.options.clusters;
-  const int limit = prm.options.layout == Layout::bases_i8 ? 127 : 32767;
+  RandomTree tree;
+  tree.build(random, clusters, 0, clusters);
+  std::vector<RandomTree::Weights> wavelet(clusters, RandomTree::Weights(clusters, 0.0));
+  for (uint32_t c = 0; c < clusters; ++c) wavelet[c][c] = 1;
+  for (const auto* kind : {&tree.mean, &tree.difference}) wavelet.insert(wavelet.end(), kind->begin(), kind->end());
+  std::vector<uint32_t> unit;
+  for (size_t w = 0; w < wavelet.size(); ++w) unit.push_back(140 + random.below(41));
+
   std::vector<uint32_t> first_texel(blocks + 1), first_link{0}, link;
   std::vector<uint8_t> rank;
-  std::vector<int8_t> basis, coefficient8;
-  std::vector<int16_t> coefficient16;
+  std::vector<int8_t> basis, coefficient;
   std::vector<float> scale;
   for (uint32_t b = 0; b <= blocks; ++b) first_texel[b] = uint32_t(uint64_t(texels) * b / blocks);
   prm.transport.assign(size_t(clusters) * texels * 3, 0.0);
   for (uint32_t b = 0; b < blocks; ++b) {
     const uint32_t r = b < 2 ? b : b == 2 ? prm.options.max_rank : 1 + random.below(prm.options.max_rank);
-    const size_t first_basis = basis.size(), first_scale = scale.size();
+    const size_t first_basis = basis.size(), first_coefficient = coefficient.size();
     rank.push_back(uint8_t(r));
     for (uint32_t i = 0; i < (first_texel[b + 1] - first_texel[b]) * r; ++i) basis.push_back(int8_t(int(random.below(255)) - 127));
-    for (uint32_t i = 0; i < r * 3; ++i) scale.push_back(float((0.2 + random.uniform()) / limit));
-    for (uint32_t c = 0; c < clusters; ++c) {
-      if (random.uniform() < 0.4) continue;
-      link.push_back(c);
-      for (uint32_t k = 0; k < r; ++k)
-        for (int channel = 0; channel < 3; ++channel) {
-          const int value = int(random.below(uint32_t(2 * limit + 1))) - limit / 2;  // mostly positive, so that not all is clamped
-          const int stored = std::clamp(value, -limit, limit);
-          if (limit == 127) coefficient8.push_back(int8_t(stored));
-          else coefficient16.push_back(int16_t(stored));
-          for (uint32_t t = first_texel[b]; t < first_texel[b + 1]; ++t)
-            prm.transport[(size_t(c) * texels + t) * 3 + channel] +=
-                basis[first_basis + size_t(t - first_texel[b]) * r + k] / 127.0 * stored * double(scale[first_scale + k * 3 + channel]);
+    for (uint32_t w = 0; w < wavelet.size(); ++w)
+      for (double chance = 0.6; random.uniform() < chance; chance = 0.2) link.push_back(w);
+    const uint32_t links = uint32_t(link.size()) - first_link.back();
+    coefficient.resize(coefficient.size() + size_t(links) * r * 3);
+    for (uint32_t k = 0; k < r; ++k) {
+      scale.push_back(float((0.2 + random.uniform()) / 127));
+      for (uint32_t l = 0; l < links; ++l) {
+        const uint32_t w = link[first_link.back() + l];
+        // What is even is mostly positive, so that not all is clamped.
+        const bool even = w < 2 * clusters - 1;
+        int rgb[3];
+        for (int& c : rgb) c = even ? std::min(int(random.below(256)) - 64, 127) : int(random.below(65)) - 32;
+        if (random.below(30) == 0) rgb[random.below(3)] = -128;
+        int8_t* stored = &coefficient[first_coefficient + size_t(k) * 3 * links + l];
+        stored[0] = int8_t(rgb[1]);
+        stored[links] = int8_t(uint8_t(rgb[0] - rgb[1]));
+        stored[2 * links] = int8_t(uint8_t(rgb[2] - rgb[1]));
+        for (uint32_t c = 0; c < clusters; ++c) {
+          const double each = double(scale.back()) * wavelet[w][c] / std::exp2((int(unit[w]) - 160) / 8.0);
+          for (uint32_t t = first_texel[b]; each != 0 && t < first_texel[b + 1]; ++t)
+            for (size_t channel = 0; channel < 3; ++channel)
+              prm.transport[(size_t(c) * texels + t) * 3 + channel] +=
+                  basis[first_basis + size_t(t - first_texel[b]) * r + k] / 127.0 * rgb[channel] * each;
         }
+      }
     }
     first_link.push_back(uint32_t(link.size()));
   }
+  std::vector<float> rectangle = prm.entry_rectangle;
+  prm.options.edit_f32("entry_rectangle", rectangle);
+  std::vector<uint16_t> half;
+  for (const float number : rectangle) half.push_back(format::packHalf(number));
+  writer.add("prm", "entry_rectangle", half, {prm.entries(), 3}, ElementType::f16);
+  add(prm, writer, "tree_first_leaves", tree.first_leaves);
+  addNarrow<uint16_t>(prm, writer, "tree_first_share", tree.first_share);
+  addNarrow<uint8_t>(prm, writer, "wavelet_unit", unit);
   add(prm, writer, "block_first_texel", first_texel);
   writer.add("prm", "block_rank", rank);
   writer.add("prm", "basis", basis);
   add(prm, writer, "block_first_link", first_link);
-  add(prm, writer, "link_cluster", link);
+  add(prm, writer, "link_wavelet", link);
   add(prm, writer, "coefficient_scale", scale);
-  if (limit == 127) writer.add("prm", "coefficient", coefficient8);
-  else writer.add("prm", "coefficient", coefficient16);
+  writer.add("prm", "coefficient", coefficient);
 }
 
 }  // namespace
@@ -156,7 +227,7 @@ SyntheticPrm makeSyntheticPrm(const SyntheticOptions& options) {
   std::vector<int16_t> oct;
   makeTexels(random, prm, coverage);
   makeEntries(random, prm, oct);
-  const bool panes = options.layout == Layout::panes_rgb9e5 || options.layout == Layout::panes_half;
+  const bool panes = isPanes(options.layout);
 
   format::Writer writer;
   writer.addSection("atlas");
@@ -231,6 +302,17 @@ std::vector<double> SyntheticPrm::evaluate(const std::vector<float>& cluster_irr
   for (size_t i = 0; fill && i < source.size(); ++i)
     if (source[i] != kNone) std::copy_n(&atlas[size_t(source[i]) * 4], 4, &atlas[i * 4]);
   return atlas;
+}
+
+std::vector<SyntheticOptions> extremeLocalBases() {
+  std::vector<SyntheticOptions> all;
+  for (const uint32_t clusters : {1u, 2u, 3u})
+    for (const auto& [blocks, max_rank] : {std::pair(1u, 1u), std::pair(2u, 1u), std::pair(3u, 255u)}) {
+      SyntheticOptions& options = all.emplace_back();
+      options.layout = Layout::local_bases;
+      options.clusters = clusters, options.blocks = blocks, options.max_rank = max_rank;
+    }
+  return all;
 }
 
 std::vector<float> randomIrradiance(uint32_t clusters, uint32_t seed) {

@@ -1,4 +1,4 @@
-// Random but sound containers with a precomputed radiance map, and their plain evaluation in double precision.
+// Random but sound containers with a precomputed radiance map, and their plain evaluation in double precision, written down from docs/format.md.
 #pragma once
 #include <array>
 #include <cmath>
@@ -11,7 +11,9 @@
 
 namespace lightwell::test {
 
-enum class Layout { panes_rgb9e5, panes_half, bases_i8, bases_i16 };
+enum class Layout { panes_rgb9e5, panes_half, local_bases };
+
+struct SyntheticPrm;
 
 struct SyntheticOptions {
   Layout layout = Layout::panes_rgb9e5;
@@ -23,6 +25,8 @@ struct SyntheticOptions {
   /// Called with each chunk's name and values before they are written, to damage them. Checksums stay right.
   std::function<void(std::string_view, std::vector<uint32_t>&)> edit_u32 = [](std::string_view, std::vector<uint32_t>&) {};
   std::function<void(std::string_view, std::vector<float>&)> edit_f32 = [](std::string_view, std::vector<float>&) {};
+  /// Called when the entries are made, to place them (entry_position, entry_normal, entry_rectangle) before they are rounded.
+  std::function<void(SyntheticPrm&)> place_entries = [](SyntheticPrm&) {};
 };
 
 /// Everything that went into the container, decoded.
@@ -31,8 +35,9 @@ struct SyntheticPrm {
   std::vector<uint8_t> container;
   std::vector<uint32_t> source, texel;
   std::vector<float> entry_position, entry_normal, entry_weight;
+  std::vector<float> entry_rectangle;    // [entries][3]: half sides, turn in half turns; empty for panes
   std::vector<uint32_t> cluster_first_entry;
-  std::vector<double> transport;  // [cluster][texel][3]
+  std::vector<double> transport;         // [cluster][texel][3]
   std::vector<double> emitter_direct, emitter_indirect;  // [texel][3]
 
   uint32_t entries() const { return uint32_t(entry_weight.size()); }
@@ -42,6 +47,9 @@ struct SyntheticPrm {
 };
 
 SyntheticPrm makeSyntheticPrm(const SyntheticOptions& options);
+
+/// Local bases at their limits: one cluster, no rank at all, the highest rank.
+std::vector<SyntheticOptions> extremeLocalBases();
 
 /// [clusters][3]; about a third of the clusters is dark.
 std::vector<float> randomIrradiance(uint32_t clusters, uint32_t seed);

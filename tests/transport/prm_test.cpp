@@ -147,7 +147,11 @@ TEST(Prm, TheSameBytesForAnyThreadsAndRanges) {
   EXPECT_EQ(a.texel, b.texel);
   EXPECT_EQ(a.bases.basis, b.bases.basis);
   EXPECT_EQ(a.bases.coefficient, b.bases.coefficient);
-  EXPECT_EQ(a.bases.link_cluster, b.bases.link_cluster);
+  EXPECT_EQ(a.bases.link_wavelet, b.bases.link_wavelet);
+  EXPECT_EQ(a.bases.scale, b.bases.scale);
+  EXPECT_EQ(a.bases.wavelet_unit, b.bases.wavelet_unit);
+  EXPECT_EQ(a.bases.tree.first_leaves, b.bases.tree.first_leaves);
+  EXPECT_EQ(a.bases.tree.first_share, b.bases.tree.first_share);
 }
 
 TEST(Prm, ASceneThatReflectsNothingHasNoIndirectLight) {

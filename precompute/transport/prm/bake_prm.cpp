@@ -40,11 +40,21 @@ GroupRows readRows(ByteReader& reader) {
   return rows;
 }
 
+/// The entries of clusters [first, end).
+PrmEntries entriesOf(const PrmEntries& all, uint32_t first, uint32_t end) {
+  const uint32_t begin_entry = all.cluster_first_entry[first], end_entry = all.cluster_first_entry[end];
+  const auto part = [&](const auto& values) { return std::decay_t<decltype(values)>(values.begin() + begin_entry, values.begin() + end_entry); };
+  PrmEntries result{part(all.position), part(all.normal), part(all.half_u), part(all.half_v), part(all.weight), {}};
+  for (uint32_t c = first; c <= end; ++c) result.cluster_first_entry.push_back(all.cluster_first_entry[c] - begin_entry);
+  return result;
+}
+
 /// What `solve` hands to `fit`.
 struct Solved {
   MultiBounce multi_bounce;
   TrainingLights training;
   EmitterLight emitters;
+  std::vector<Rgb> group_emitted_rgb;  // direct; panes only
 };
 
 }  // namespace
@@ -58,17 +68,19 @@ struct PrmBaker::Impl {
   EntryClusters clusters;
   Gatherer gatherer;
   Partition blocks;  // of the atlas's slots
+  WaveletIndex wavelets;
   std::vector<PriorLight> training_lights;
-  bool has_emitters = false;
+  bool has_emitters = false, grey = true;
 
   Impl(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings,
        EntryClusters entry_clusters)
       : scene(scene), atlas(atlas), tracer(tracer), settings(settings), sides(surfaceSides(atlas)),
-        clusters(std::move(entry_clusters)), gatherer(scene, atlas, tracer, sides, clusters, settings.seed) {
+        clusters(std::move(entry_clusters)), gatherer(scene, atlas, tracer, sides, clusters, settings.seed), wavelets(clusters) {
     std::vector<SurfaceElement> elements;
     for (const auto& slot : atlas.slots) elements.push_back({slot.position, slot.normal});
     const size_t aim = std::max<size_t>(1, elements.size() / std::max(1u, settings.bases.block_texels));
-    blocks = partitionByCount(elements, aim, kBlockNormalExtent, 2 * size_t(settings.bases.block_texels));
+    blocks = partitionByCount(elements, aim, kBlockNormalExtent, 3 * size_t(settings.bases.block_texels) / 2);
+    for (const auto& slot : atlas.slots) grey = grey && slot.albedo_rgb.x == slot.albedo_rgb.y && slot.albedo_rgb.y == slot.albedo_rgb.z;
     if (settings.layout == PrmLayoutKind::local_bases)
       training_lights = samplePriorLights(scene, atlas, tracer, settings.training_lights, combineKeys(settings.seed, kTrainingSeed));
     has_emitters = std::any_of(atlas.slots.begin(), atlas.slots.end(), [](const auto& slot) { return maxComponent(slot.emitted_radiance_rgb) > 0; });
@@ -108,12 +120,12 @@ struct PrmBaker::Impl {
     solved.multi_bounce.rows = readRows(reader);
     for (auto& matrix : solved.multi_bounce.solution) matrix = readMatrix(reader, groups, groups);
     solved.training.count = uint32_t(lights);
-    solved.training.direct = readMatrix(reader, clusters.cluster_count + groups, lights);
-    for (auto& matrix : solved.training.cluster_indirect) matrix = readMatrix(reader, clusters.cluster_count, lights);
+    solved.training.grey = grey;
+    solved.training.total = readMatrix(reader, clusters.cluster_count, lights);
     solved.training.weight = reader.array<float>();
-    solved.training.stand_ins.group = reader.array<uint32_t>();
-    solved.emitters.direct_rgb = reader.array<Rgb>();
-    solved.emitters.cluster_indirect_rgb = reader.array<Rgb>();
+    solved.training.wavelet_unit = reader.array<uint8_t>();
+    solved.emitters.cluster_rgb = reader.array<Rgb>();
+    solved.group_emitted_rgb = reader.array<Rgb>();
     return solved;
   }
 };
@@ -143,8 +155,9 @@ Bytes PrmBaker::oneBounce(uint32_t first, uint32_t end) const {
 
 Bytes PrmBaker::trainingDirect(uint32_t first, uint32_t end) const {
   ByteWriter writer;
+  const PrmEntries entries = entriesOf(impl_->clusters.entries, 0, impl_->clusters.cluster_count);
   for (uint32_t light = first; light < end; ++light) {
-    const auto irradiance_rgb = clusterIrradiance(impl_->clusters.entries, impl_->tracer, impl_->training_lights[light].light);
+    const auto irradiance_rgb = clusterIrradiance(entries, impl_->tracer, impl_->training_lights[light].light);
     std::vector<float> irradiance;
     for (const auto& value : irradiance_rgb) irradiance.push_back(value.x);  // training lights are grey
     writer.array(irradiance);
@@ -182,28 +195,29 @@ Bytes PrmBaker::solve(std::span<const ByteView> one_bounce, std::span<const Byte
   std::vector<std::vector<float>> direct;
   for (const auto& part : training)
     for (ByteReader reader(part); !reader.empty();) direct.push_back(reader.array<float>());
-  const TrainingLights lights = makeTrainingLights(clusters, multi_bounce, std::move(direct));
+  const TrainingLights lights = makeTrainingLights(clusters, impl_->wavelets, multi_bounce, impl_->grey, direct);
 
   EmitterLight emitters;
+  std::vector<Rgb> group_emitted_rgb;
   if (impl_->has_emitters) {
-    emitters.direct_rgb = impl_->emitterOnClusters(emitter);
-    emitters.cluster_indirect_rgb.assign(clusters.cluster_count, Rgb(0.0f));
+    const auto emitted_rgb = impl_->emitterOnClusters(emitter);
+    emitters.cluster_rgb.assign(emitted_rgb.begin(), emitted_rgb.begin() + clusters.cluster_count);
+    group_emitted_rgb.assign(emitted_rgb.begin() + clusters.cluster_count, emitted_rgb.end());
     for (int channel = 0; channel < 3; ++channel) {
       Eigen::MatrixXf group_direct(clusters.group_count, 1);
-      for (uint32_t g = 0; g < clusters.group_count; ++g) group_direct(g, 0) = emitters.direct_rgb[clusters.cluster_count + g][channel];
+      for (uint32_t g = 0; g < clusters.group_count; ++g) group_direct(g, 0) = group_emitted_rgb[g][channel];
       const Eigen::MatrixXf received = multi_bounce.received(channel, group_direct);
-      for (uint32_t c = 0; c < clusters.cluster_count; ++c) emitters.cluster_indirect_rgb[c][channel] = received(c, 0);
+      for (uint32_t c = 0; c < clusters.cluster_count; ++c) emitters.cluster_rgb[c][channel] += received(c, 0);
     }
   }
   ByteWriter writer;
   writeRows(writer, multi_bounce.rows);
   for (const auto& matrix : multi_bounce.solution) writeMatrix(writer, matrix);
-  writeMatrix(writer, lights.direct);
-  for (const auto& matrix : lights.cluster_indirect) writeMatrix(writer, matrix);
+  writeMatrix(writer, lights.total);
   writer.array(lights.weight);
-  writer.array(lights.stand_ins.group);
-  writer.array(emitters.direct_rgb);
-  writer.array(emitters.cluster_indirect_rgb);
+  writer.array(lights.wavelet_unit);
+  writer.array(emitters.cluster_rgb);
+  writer.array(group_emitted_rgb);
   return writer.take();
 }
 
@@ -214,35 +228,37 @@ Bytes PrmBaker::fit(uint32_t first, uint32_t end, ByteView solved_bytes) const {
   if (impl.settings.layout == PrmLayoutKind::panes && impl.settings.estimator == PaneEstimator::walks)
     walks = virtualLightWalks(impl.scene, impl.atlas, impl.tracer, impl.sides, impl.clusters, impl.settings.walks_per_entry, impl.settings.seed);
   ByteWriter writer;
+  if (first == 0) writer.array(solved.training.wavelet_unit);  // common to all blocks: the first range carries it
   for (uint32_t index = first; index < end; ++index) {
     const auto slots = impl.slotsOf(index);
-    BasisBlock block;
+    std::vector<BasisBlock> parts;
+    std::vector<Rgb> pane_values;  // [texel][group]
     if (impl.settings.layout == PrmLayoutKind::local_bases) {
-      std::vector<float> area;
-      for (const uint32_t slot : slots) area.push_back(impl.atlas.slots[slot].area);
-      block = fitBlock(slots, impl.gatherer, impl.clusters, solved.multi_bounce, solved.training, solved.emitters, area, impl.settings.bases);
+      parts = fitBlock(slots, impl.atlas, impl.gatherer, impl.clusters, impl.wavelets, solved.multi_bounce, solved.training, solved.emitters, impl.settings.bases);
     } else {
-      const auto panes = impl.settings.estimator == PaneEstimator::walks
-                             ? walkPanes(slots, impl.atlas, impl.tracer, impl.clusters, walks)
-                             : gatherPanes(slots, impl.gatherer, impl.clusters, solved.multi_bounce, impl.settings.bases.rays);
+      pane_values = impl.settings.estimator == PaneEstimator::walks
+                        ? walkPanes(slots, impl.atlas, impl.tracer, impl.clusters, walks)
+                        : gatherPanes(slots, impl.gatherer, impl.clusters, solved.multi_bounce, impl.settings.bases.rays);
+      BasisBlock& block = parts.emplace_back();
       block.slot = slots;
-      block.coefficient.reserve(3 * panes.size());
-      for (const auto& value : panes) block.coefficient.insert(block.coefficient.end(), {value.x, value.y, value.z});
       if (impl.has_emitters)
         for (size_t t = 0; t < slots.size(); ++t) {
           Rgb sum(0.0f);
-          for (uint32_t g = 0; g < impl.clusters.group_count; ++g)
-            sum += panes[t * impl.clusters.group_count + g] * solved.emitters.direct_rgb[impl.clusters.cluster_count + g];
+          for (uint32_t g = 0; g < impl.clusters.group_count; ++g) sum += pane_values[t * impl.clusters.group_count + g] * solved.group_emitted_rgb[g];
           block.emitter_indirect_rgb.push_back(sum);
         }
     }
-    writer.array(block.slot);
-    const uint32_t rank = block.rank;
-    writer.array(std::span<const uint32_t>(&rank, 1));
-    writer.array(block.basis);
-    writer.array(block.link_cluster);
-    writer.array(block.coefficient);
-    writer.array(block.emitter_indirect_rgb);
+    for (const BasisBlock& block : parts) {
+      writer.array(block.slot);
+      const uint32_t rank = block.rank;
+      writer.array(std::span<const uint32_t>(&rank, 1));
+      writer.array(block.basis);
+      writer.array(block.scale);
+      writer.array(block.link_wavelet);
+      writer.array(block.coefficient);
+      writer.array(pane_values);
+      writer.array(block.emitter_indirect_rgb);
+    }
   }
   return writer.take();
 }
@@ -253,32 +269,38 @@ PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const B
   PrmResult result;
   auto& bases = result.bases;
   std::vector<uint32_t> slots;
-  std::vector<float> pane_values;  // [texel][group][3]
+  std::vector<Rgb> pane_values;  // [texel][group]
   if (local_bases) {
     bases.block_first_texel.push_back(0);
     bases.block_first_link.push_back(0);
   }
-  for (const auto& part : blocks)
-    for (ByteReader reader(part); !reader.empty();) {
+  for (const auto& part : blocks) {
+    ByteReader reader(part);
+    if (&part == &blocks.front()) bases.wavelet_unit = reader.array<uint8_t>();
+    while (!reader.empty()) {
       const auto block_slots = reader.array<uint32_t>();
       const auto rank = reader.array<uint32_t>();
-      const auto basis = reader.array<float>();
+      const auto basis = reader.array<int8_t>();
+      const auto scale = reader.array<float>();
       const auto links = reader.array<uint32_t>();
-      const auto coefficients = reader.array<float>();
+      const auto coefficients = reader.array<int8_t>();
+      const auto block_panes = reader.array<Rgb>();
       const auto emitted = reader.array<Rgb>();
       slots.insert(slots.end(), block_slots.begin(), block_slots.end());
       result.emitter_indirect_rgb.insert(result.emitter_indirect_rgb.end(), emitted.begin(), emitted.end());
       if (!local_bases) {
-        pane_values.insert(pane_values.end(), coefficients.begin(), coefficients.end());
+        pane_values.insert(pane_values.end(), block_panes.begin(), block_panes.end());
         continue;
       }
       bases.block_first_texel.push_back(uint32_t(slots.size()));
       bases.block_rank.push_back(uint8_t(rank.at(0)));
       bases.basis.insert(bases.basis.end(), basis.begin(), basis.end());
-      bases.link_cluster.insert(bases.link_cluster.end(), links.begin(), links.end());
-      bases.block_first_link.push_back(uint32_t(bases.link_cluster.size()));
+      bases.scale.insert(bases.scale.end(), scale.begin(), scale.end());
+      bases.link_wavelet.insert(bases.link_wavelet.end(), links.begin(), links.end());
+      bases.block_first_link.push_back(uint32_t(bases.link_wavelet.size()));
       bases.coefficient.insert(bases.coefficient.end(), coefficients.begin(), coefficients.end());
     }
+  }
   for (const uint32_t slot : slots) result.texel.push_back(impl.atlas.slots[slot].texel);
 
   if (impl.has_emitters) {
@@ -291,24 +313,17 @@ PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const B
     for (const uint32_t slot : slots) result.emitter_direct_rgb.push_back(side_rgb.at(slot));
   }
 
-  result.entries = impl.clusters.entries;
-  if (!local_bases) {
-    // Only the groups' entries are used: one pane each.
-    const uint32_t groups = impl.clusters.group_count;
-    auto& entries = result.entries;
-    const uint32_t first = entries.cluster_first_entry[impl.clusters.cluster_count];
-    entries.position.erase(entries.position.begin(), entries.position.begin() + first);
-    entries.normal.erase(entries.normal.begin(), entries.normal.begin() + first);
-    entries.weight.erase(entries.weight.begin(), entries.weight.begin() + first);
-    entries.cluster_first_entry.erase(entries.cluster_first_entry.begin(), entries.cluster_first_entry.begin() + impl.clusters.cluster_count);
-    for (auto& index : entries.cluster_first_entry) index -= first;
-    result.panes.irradiance_rgb.resize(slots.size() * groups);
-    for (size_t t = 0; t < slots.size(); ++t)
-      for (uint32_t g = 0; g < groups; ++g) {
-        const float* value = &pane_values[3 * (t * groups + g)];
-        result.panes.irradiance_rgb[g * slots.size() + t] = Rgb(value[0], value[1], value[2]);
-      }
+  // Local bases know the fine clusters; panes, of which there is one for each group, the groups. The paper's entries are points.
+  const uint32_t fine = impl.clusters.cluster_count, groups = impl.clusters.group_count;
+  result.entries = entriesOf(impl.clusters.entries, local_bases ? 0 : fine, local_bases ? fine : fine + groups);
+  if (local_bases) {
+    bases.tree = impl.clusters.tree;
+    return result;
   }
+  for (auto* half : {&result.entries.half_u, &result.entries.half_v}) half->assign(half->size(), Vec3(0.0f));
+  result.panes.irradiance_rgb.resize(slots.size() * groups);
+  for (size_t t = 0; t < slots.size(); ++t)
+    for (uint32_t g = 0; g < groups; ++g) result.panes.irradiance_rgb[g * slots.size() + t] = pane_values[t * groups + g];
   return result;
 }
 

@@ -23,7 +23,7 @@ struct PrmSettings {
   EntryOptions entries;
   LocalBasesOptions bases;
   uint32_t cluster_rays = 256;      // per fine cluster, for all bounces but the last
-  uint32_t training_lights = 192;   // local bases only
+  uint32_t training_lights = 512;   // local bases only
   uint32_t emitter_samples = 64;    // per texel
   uint32_t walks_per_entry = 1;     // panes by walks
   uint64_t seed = 1;
@@ -46,7 +46,7 @@ class PrmBaker {
 
   /// What the fine clusters of groups [first, end) receive from groups.
   Bytes oneBounce(uint32_t first, uint32_t end) const;
-  /// Direct irradiance on clusters and groups under training lights [first, end).
+  /// Direct irradiance on fine clusters under training lights [first, end).
   Bytes trainingDirect(uint32_t first, uint32_t end) const;
   /// Direct irradiance from the scene's emitters on sides [first, end); only when hasEmitters().
   Bytes emitterDirect(uint32_t first, uint32_t end) const;

@@ -6,6 +6,8 @@
 #include <numeric>
 
 #include "precompute/core/parallel.h"
+#include "precompute/transport/exposure.h"
+#include "precompute/transport/side_rays.h"
 #include "precompute/transport/prm/gather.h"
 
 namespace lightwell::transport {
@@ -18,6 +20,11 @@ constexpr float kNormalExtent = 0.5f;
 constexpr uint32_t kSurroundingRays = 64;
 constexpr float kSameSurroundings = 0.3f;
 constexpr uint64_t kSurroundingStream = 1ull << 32;
+
+// Rays that measure how far a texel's side sees, and the spacing of entries where that is hardly anything, relative to that in the open.
+constexpr uint32_t kViewRays = 16;
+constexpr float kLeastSpacing = 0.1f;
+constexpr uint64_t kViewStream = 5ull << 40;
 
 /// A patch of a cluster's surface.
 struct Member {
@@ -45,6 +52,29 @@ Vec3 closestPointOnTriangle(const std::array<Vec3, 3>& corner, const Vec3& point
   return closest;
 }
 
+/// The rectangle about the entry point just appended: of the piece's area, with the axes and the proportions of its second moments.
+void appendRectangle(std::span<const Member> members, const Vec3& centroid, float area, PrmEntries& entries) {
+  Vec3 tangent, bitangent;
+  orthonormalBasis(entries.normal.back(), tangent, bitangent);
+  double uu = 0, uv = 0, vv = 0;
+  for (const auto& member : members) {
+    // A triangle's moment about a point: that of its mean point, and the spread of its corners about that, a twelfth of the sum of squares.
+    const auto add = [&](const Vec3& offset, double weight) {
+      const double u = offset.dot(tangent), v = offset.dot(bitangent);
+      uu += weight * u * u, uv += weight * u * v, vv += weight * v * v;
+    };
+    add(member.centroid - centroid, member.area);
+    for (const auto& corner : member.corner) add(corner - member.centroid, double(member.area) / 12);
+  }
+  const double angle = 0.5 * std::atan2(2 * uv, uu - vv), middle = 0.5 * (uu + vv), spread = std::hypot(0.5 * (uu - vv), uv);
+  const double least = std::max(1e-4 * (middle + spread), middle - spread);  // slivers stay rectangles
+  const double proportion = least > 0 ? std::sqrt((middle + spread) / least) : 1.0;
+  const float half_u = float(std::sqrt(0.25 * area * proportion)), half_v = float(std::sqrt(0.25 * area / proportion));
+  const float c = float(std::cos(angle)), s = float(std::sin(angle));
+  entries.half_u.push_back((tangent * c + bitangent * s) * half_u);
+  entries.half_v.push_back((bitangent * c - tangent * s) * half_v);
+}
+
 /// One entry point for a piece of surface: the point of it next to its centroid, which makes the average of irradiance second-order accurate on
 /// flat pieces. The centroid itself may lie inside a column or under a box, where no light comes.
 void appendEntry(std::span<const Member> members, float total_area, PrmEntries& entries) {
@@ -69,6 +99,7 @@ void appendEntry(std::span<const Member> members, float total_area, PrmEntries& 
   entries.position.push_back(position);
   entries.normal.push_back(normal.length2() > 0 ? normal.normalized() : normal_there);
   entries.weight.push_back(area / total_area);
+  appendRectangle(members, centroid, area, entries);
 }
 
 /// Halves the members by area across their longest extent until `count` pieces are left, and adds a point for each.
@@ -92,8 +123,8 @@ void appendPieces(std::span<Member> members, uint32_t count, float total_area, P
 }
 
 /// `count` entry points (fewer where there are fewer patches) for the listed sides.
-void appendEntries(const scene::Mesh& mesh, const atlas::Atlas& atlas, const Sides& sides, std::span<const uint32_t> member_sides, uint32_t count,
-                   PrmEntries& entries) {
+void appendEntries(const scene::Mesh& mesh, const atlas::Atlas& atlas, const Sides& sides, std::span<const float> exposed,
+                   std::span<const uint32_t> member_sides, uint32_t count, PrmEntries& entries) {
   std::vector<Member> members;
   float total_area = 0;
   for (const uint32_t side : member_sides) {
@@ -105,8 +136,8 @@ void appendEntries(const scene::Mesh& mesh, const atlas::Atlas& atlas, const Sid
       const auto point = atlas::surfacePoint(mesh, patch.triangle, middle.x, middle.y);
       member.centroid = point.position;
       member.normal = sides.isBack(side) ? -point.normal : point.normal;
-      member.area = patch.area;
-      total_area += patch.area;
+      member.area = patch.area * exposed[side];
+      total_area += member.area;
       members.push_back(member);
     }
   }
@@ -128,14 +159,41 @@ struct ClusterList {
   }
 };
 
+/// How dense entries must be on each side: as far as the side sees (the harmonic mean distance to what is around it, which also spaces the records of
+/// irradiance caching: Ward, Rubinstein, Clear: "A Ray Tracing Solution for Diffuse Interreflection"), relative to the median; at most 1. Light varies as
+/// fast as its surroundings are near, and a cluster must not reach from the open into a gap.
+std::vector<float> entrySpacing(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const Sides& sides, uint64_t seed,
+                                int threads, const CancelFlag* cancel) {
+  std::vector<float> view(sides.slot.size());
+  const float most = std::max(1e-6f, (scene.bounds.max - scene.bounds.min).length());
+  parallelFor(view.size(), 256, threads, cancel, [&](size_t begin, size_t end) {
+    std::vector<trace::Hit> hits;
+    for (uint32_t side = uint32_t(begin); side < end; ++side) {
+      const auto rays = cosineRays(scene.mesh, atlas, sides, {&side, 1}, kViewRays, seed, kViewStream + side);
+      hits.resize(rays.size());
+      tracer.closest(rays, hits);
+      float sum = 0;
+      for (const auto& hit : hits) sum += 1.0f / std::clamp(hit.triangle == kNone ? most : hit.t, 1e-4f * most, most);
+      view[side] = hits.empty() ? 0.0f : float(hits.size()) / sum;
+    }
+  });
+  std::vector<float> sorted = view;
+  if (sorted.empty()) return view;
+  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+  const float median = std::max(1e-6f * most, sorted[sorted.size() / 2]);
+  for (float& v : view) v = std::clamp(v / median, kLeastSpacing, 1.0f);
+  return view;
+}
+
 /// Groups of about the same extent, split into fine clusters of about the same smaller extent.
-ClusterList partitionSides(const atlas::Atlas& atlas, const Sides& sides, const EntryOptions& options) {
+ClusterList partitionSides(const atlas::Atlas& atlas, const Sides& sides, std::span<const float> exposed, std::span<const float> spacing,
+                           const EntryOptions& options) {
   std::vector<SurfaceElement> elements;
   std::vector<uint32_t> element_side;
   for (uint32_t side = 0; side < sides.slot.size(); ++side) {
     const auto& slot = atlas.slots[sides.slot[side]];
-    if (atlas.source[slot.texel] != slot.texel) continue;  // mostly buried: would only darken its cluster
-    elements.push_back({slot.position, sides.isBack(side) ? -slot.normal : slot.normal});
+    if (exposed[side] <= 0) continue;
+    elements.push_back({slot.position, sides.isBack(side) ? -slot.normal : slot.normal, std::sqrt(spacing[side])});
     element_side.push_back(side);
   }
   const Partition groups = partitionByCount(elements, options.groups, kNormalExtent, elements.size());
@@ -148,6 +206,7 @@ ClusterList partitionSides(const atlas::Atlas& atlas, const Sides& sides, const 
     Box3 box;
     for (uint32_t i = groups.first[g]; i < groups.first[g + 1]; ++i) {
       members[g].push_back(elements[groups.order[i]]);
+      members[g].back().spacing = spacing[element_side[groups.order[i]]];
       box.extendBy(members[g].back().position);
     }
     group_extent = std::max(group_extent, maxComponent(box.size()));
@@ -176,8 +235,9 @@ ClusterList partitionSides(const atlas::Atlas& atlas, const Sides& sides, const 
   return list;
 }
 
-EntryClusters numberClusters(const atlas::Atlas& atlas, const Sides& sides, ClusterList list) {
+EntryClusters numberClusters(const atlas::Atlas& atlas, const Sides& sides, std::span<const float> exposed, ClusterList list) {
   EntryClusters result;
+  result.exposed.assign(exposed.begin(), exposed.end());
   result.cluster_count = uint32_t(list.group_of_cluster.size());
   result.group_count = list.group_of_cluster.empty() ? 0 : list.group_of_cluster.back() + 1;
   result.cluster_of_side.assign(sides.slot.size(), kNone);
@@ -187,7 +247,7 @@ EntryClusters numberClusters(const atlas::Atlas& atlas, const Sides& sides, Clus
     result.group_first_cluster[list.group_of_cluster[c]] = c;
     for (const uint32_t side : list.sides(c)) {
       result.cluster_of_side[side] = c;
-      result.area[c] += atlas.slots[sides.slot[side]].area;
+      result.area[c] += atlas.slots[sides.slot[side]].area * exposed[side];
     }
     result.area[result.cluster_count + list.group_of_cluster[c]] += result.area[c];
   }
@@ -266,16 +326,100 @@ ClusterList splitByVisibility(const scene::Scene& scene, const atlas::Atlas& atl
   return list;
 }
 
+/// Puts groups, and the clusters within each, in the order of a tree that keeps near what is near and alike in orientation, and gives the tree.
+class TreeOrder {
+ public:
+  TreeOrder(const atlas::Atlas& atlas, const Sides& sides, const EntryClusters& clusters) : clusters_(clusters) {
+    std::vector<Item> group_items(clusters.group_count);
+    items_.resize(clusters.cluster_count);
+    double area = 0;
+    for (uint32_t c = 0; c < clusters.cluster_count; ++c) {
+      Item& item = items_[c];
+      for (const uint32_t side : clusters.sidesOf(c)) {
+        const auto& slot = atlas.slots[sides.slot[side]];
+        const float weight = slot.area * clusters.exposed[side];
+        item.position += slot.position * weight;
+        item.normal += (sides.isBack(side) ? -slot.normal : slot.normal) * weight;
+      }
+      Item& group = group_items[clusters.group_of_cluster[c]];
+      group.position += item.position, group.normal += item.normal;
+      area += clusters.area[c];
+      item = {item.position / clusters.area[c], item.normal.normalized(), c};
+    }
+    for (uint32_t g = 0; g < clusters.group_count; ++g)
+      group_items[g] = {group_items[g].position / clusters.area[clusters.cluster_count + g], group_items[g].normal.normalized(), g};
+    // A turn by a right angle parts two pieces of surface like this distance: some widths of a group.
+    length_per_normal_ = 2 * float(std::sqrt(area / std::max(1u, clusters.group_count)));
+    if (!group_items.empty()) build(group_items, true);
+  }
+  ClusterList list;
+  WaveletTree tree;
+
+ private:
+  struct Item {
+    Vec3 position{0, 0, 0}, normal{0, 0, 0};
+    uint32_t index = 0;
+  };
+
+  double build(std::span<Item> items, bool of_groups) {
+    if (items.size() == 1) {
+      if (!of_groups) {
+        list.append(clusters_.sidesOf(items[0].index), group_);
+        return clusters_.area[items[0].index];
+      }
+      group_ = next_group_++;
+      const uint32_t first = clusters_.group_first_cluster[items[0].index], end = clusters_.group_first_cluster[items[0].index + 1];
+      return build(std::span(items_).subspan(first, end - first), false);
+    }
+    const size_t middle = split(items), node = tree.first_leaves.size();
+    const size_t leaves_before = list.group_of_cluster.size();
+    tree.first_leaves.push_back(0);
+    tree.first_share.push_back(0);
+    const double first_area = build(items.first(middle), of_groups);
+    tree.first_leaves[node] = uint32_t(list.group_of_cluster.size() - leaves_before);
+    const double area = first_area + build(items.subspan(middle), of_groups);
+    tree.first_share[node] = uint16_t(std::clamp(std::round(65536.0 * first_area / area), 1.0, 65535.0));
+    return area;
+  }
+
+  /// Halves the longest extent; where that leaves hardly anything on one side, the number of items.
+  size_t split(std::span<Item> items) const {
+    Box3 place, direction;
+    for (const Item& item : items) place.extendBy(item.position), direction.extendBy(item.normal * length_per_normal_);
+    const int place_axis = place.majorAxis(), direction_axis = direction.majorAxis();
+    const bool by_place = place.size()[place_axis] >= direction.size()[direction_axis];
+    const int axis = by_place ? place_axis : direction_axis;
+    const auto key = [&](const Item& item) { return by_place ? item.position[axis] : item.normal[axis] * length_per_normal_; };
+    std::stable_sort(items.begin(), items.end(), [&](const Item& a, const Item& b) { return key(a) < key(b); });
+    const float at = 0.5f * (key(items.front()) + key(items.back()));
+    const size_t middle = size_t(std::partition_point(items.begin(), items.end(), [&](const Item& item) { return key(item) <= at; }) - items.begin());
+    const size_t least = items.size() / 32 + 1;
+    return middle < least || middle > items.size() - least ? items.size() / 2 : middle;
+  }
+
+  const EntryClusters& clusters_;
+  std::vector<Item> items_;
+  float length_per_normal_ = 0;
+  uint32_t group_ = 0, next_group_ = 0;
+};
+
 }  // namespace
 
 EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const EntryOptions& options,
                           uint64_t seed, int threads, const CancelFlag* cancel) {
   const Sides sides = surfaceSides(atlas);
-  EntryClusters result = numberClusters(atlas, sides, partitionSides(atlas, sides, options));
-  if (options.split_by_visibility) result = numberClusters(atlas, sides, splitByVisibility(scene, atlas, tracer, sides, result, seed, threads, cancel));
+  const std::vector<float> exposed = exposedShare(scene, atlas, tracer, sides, seed, threads, cancel);
+  const std::vector<float> spacing = entrySpacing(scene, atlas, tracer, sides, seed, threads, cancel);
+  EntryClusters result = numberClusters(atlas, sides, exposed, partitionSides(atlas, sides, exposed, spacing, options));
+  if (options.split_by_visibility)
+    result = numberClusters(atlas, sides, exposed, splitByVisibility(scene, atlas, tracer, sides, result, seed, threads, cancel));
+  TreeOrder ordered(atlas, sides, result);
+  result = numberClusters(atlas, sides, exposed, std::move(ordered.list));
+  result.tree = std::move(ordered.tree);
   result.entries.cluster_first_entry.push_back(0);
-  for (uint32_t c = 0; c < result.cluster_count; ++c) appendEntries(scene.mesh, atlas, sides, result.sidesOf(c), options.points_per_cluster, result.entries);
-  for (uint32_t g = 0; g < result.group_count; ++g) appendEntries(scene.mesh, atlas, sides, result.sidesOfGroup(g), options.points_per_group, result.entries);
+  const auto append = [&](std::span<const uint32_t> of, uint32_t points) { appendEntries(scene.mesh, atlas, sides, exposed, of, points, result.entries); };
+  for (uint32_t c = 0; c < result.cluster_count; ++c) append(result.sidesOf(c), options.points_per_cluster);
+  for (uint32_t g = 0; g < result.group_count; ++g) append(result.sidesOfGroup(g), options.points_per_group);
   return result;
 }
 
@@ -284,11 +428,15 @@ Bytes toBytes(const EntryClusters& clusters) {
   ByteWriter writer;
   writer.array(std::span<const uint32_t>(counts));
   for (const auto* indices : {&clusters.cluster_of_side, &clusters.group_of_cluster, &clusters.cluster_first_side, &clusters.cluster_side,
-                              &clusters.group_first_cluster, &clusters.entries.cluster_first_entry})
+                              &clusters.group_first_cluster, &clusters.entries.cluster_first_entry, &clusters.tree.first_leaves})
     writer.array(*indices);
+  writer.array(clusters.tree.first_share);
+  writer.array(clusters.exposed);
   writer.array(clusters.area);
   writer.array(clusters.entries.position);
   writer.array(clusters.entries.normal);
+  writer.array(clusters.entries.half_u);
+  writer.array(clusters.entries.half_v);
   writer.array(clusters.entries.weight);
   return writer.take();
 }
@@ -300,11 +448,15 @@ EntryClusters readEntries(ByteView bytes) {
   if (counts.size() != 2) throw std::runtime_error("a task result is damaged");
   clusters.cluster_count = counts[0], clusters.group_count = counts[1];
   for (auto* indices : {&clusters.cluster_of_side, &clusters.group_of_cluster, &clusters.cluster_first_side, &clusters.cluster_side,
-                        &clusters.group_first_cluster, &clusters.entries.cluster_first_entry})
+                        &clusters.group_first_cluster, &clusters.entries.cluster_first_entry, &clusters.tree.first_leaves})
     *indices = reader.array<uint32_t>();
+  clusters.tree.first_share = reader.array<uint16_t>();
+  clusters.exposed = reader.array<float>();
   clusters.area = reader.array<float>();
   clusters.entries.position = reader.array<Vec3>();
   clusters.entries.normal = reader.array<Vec3>();
+  clusters.entries.half_u = reader.array<Vec3>();
+  clusters.entries.half_v = reader.array<Vec3>();
   clusters.entries.weight = reader.array<float>();
   return clusters;
 }

@@ -12,10 +12,10 @@
 namespace lightwell::transport {
 
 struct EntryOptions {
-  uint32_t clusters = 8192;          // aimed at; the near field of direct light
+  uint32_t clusters = 20000;         // aimed at; the near field of direct light. No smaller than texels
   uint32_t groups = 1024;            // aimed at; what has been reflected once more is smooth
-  uint32_t points_per_cluster = 4;
-  uint32_t points_per_group = 8;
+  uint32_t points_per_cluster = 1;
+  uint32_t points_per_group = 8;     // panes only
   bool split_by_visibility = true;   // cut groups that lie on both sides of a wall; adds some
 };
 
@@ -23,9 +23,11 @@ struct EntryOptions {
 /// In PrmEntries the fine clusters come first, then the groups (as clusters of their own, number cluster_count + group).
 struct EntryClusters {
   uint32_t cluster_count = 0, group_count = 0;
-  std::vector<uint32_t> cluster_of_side;  // kNone for mostly buried texels: what little of them is seen counts as dark
+  std::vector<uint32_t> cluster_of_side;  // kNone for buried texels
   std::vector<uint32_t> group_of_cluster;
-  std::vector<float> area;                // cluster_count + group_count, internal units²
+  std::vector<float> area;                // cluster_count + group_count, internal units²: of what is exposed
+  std::vector<float> exposed;             // per side, the share of its area
+  WaveletTree tree;                       // over the fine clusters; each group is the clusters under one node, or one cluster
   std::vector<uint32_t> cluster_first_side, cluster_side;  // the sides of each fine cluster
   std::vector<uint32_t> group_first_cluster;               // the fine clusters of each group are consecutive
   PrmEntries entries;

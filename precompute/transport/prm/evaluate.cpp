@@ -34,23 +34,27 @@ std::vector<Rgb> evaluatePanes(const PrmResult& prm, std::span<const Rgb> cluste
 
 std::vector<Rgb> evaluateLocalBases(const PrmResult& prm, std::span<const Rgb> cluster_irradiance_rgb) {
   const auto& bases = prm.bases;
+  std::vector<float> value(cluster_irradiance_rgb.size() * 3);
+  for (size_t i = 0; i < value.size(); ++i) value[i] = cluster_irradiance_rgb[i / 3][int(i % 3)];
+  value = toWavelets(bases.tree, bases.tree.children(uint32_t(cluster_irradiance_rgb.size())), 3, value);
   std::vector<Rgb> result(prm.texel.size(), Rgb(0.0f));
-  size_t basis = 0, coefficient = 0;
+  size_t basis = 0, coefficient = 0, scale = 0;
   for (size_t block = 0; block < bases.block_rank.size(); ++block) {
     const size_t rank = bases.block_rank[block];
-    std::vector<Rgb> weight(rank, Rgb(0.0f));
+    std::vector<Rgb> amount(rank, Rgb(0.0f));
     for (uint32_t link = bases.block_first_link[block]; link < bases.block_first_link[block + 1]; ++link) {
-      const Rgb& irradiance_rgb = cluster_irradiance_rgb[bases.link_cluster[link]];
-      for (size_t k = 0; k < rank; ++k, coefficient += 3) {
-        const float* c = &bases.coefficient[coefficient];
-        weight[k] += Rgb(c[0], c[1], c[2]) * irradiance_rgb;
-      }
+      const uint32_t wavelet = bases.link_wavelet[link];
+      const float per_unit = 1.0f / waveletUnit(bases.wavelet_unit[wavelet]);
+      for (size_t k = 0; k < rank; ++k)
+        for (int channel = 0; channel < 3; ++channel)
+          amount[k][channel] += float(bases.coefficient[coefficient++]) * value[size_t(wavelet) * 3 + size_t(channel)] * per_unit;
     }
+    for (size_t k = 0; k < rank; ++k) amount[k] *= bases.scale[scale++] / 127.0f;
     for (uint32_t t = bases.block_first_texel[block]; t < bases.block_first_texel[block + 1]; ++t)
-      for (size_t k = 0; k < rank; ++k) result[t] += weight[k] * bases.basis[basis++];
+      for (size_t k = 0; k < rank; ++k) result[t] += amount[k] * float(bases.basis[basis++]);
   }
-  for (auto& value : result)
-    for (int channel = 0; channel < 3; ++channel) value[channel] = std::max(0.0f, value[channel]);
+  for (auto& value_rgb : result)
+    for (int channel = 0; channel < 3; ++channel) value_rgb[channel] = std::max(0.0f, value_rgb[channel]);
   return result;
 }
 

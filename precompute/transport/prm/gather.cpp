@@ -11,7 +11,7 @@ constexpr uint64_t kSideStream = 1ull << 40, kMeanStream = 2ull << 40;  // owner
 
 }  // namespace
 
-GatherRow Gatherer::trace(std::span<const trace::Ray> rays, uint32_t denominator) const {
+GatherRow Gatherer::trace(std::span<const trace::Ray> rays, uint32_t denominator, bool backs_count) const {
   std::vector<trace::Hit> hits(rays.size());
   tracer_.closest(rays, hits);
   std::vector<std::pair<uint32_t, Rgb>> met;
@@ -20,6 +20,7 @@ GatherRow Gatherer::trace(std::span<const trace::Ray> rays, uint32_t denominator
     if (hit.triangle == kNone) continue;
     const uint32_t slot = atlas_.slotAt(scene_.mesh, hit.triangle, hit.u, hit.v);
     const uint32_t side = sides_.met(slot, hit.front);
+    if (side == kNone && !backs_count && denominator > 1) --denominator;
     if (side == kNone || clusters_.cluster_of_side[side] == kNone) continue;
     met.emplace_back(clusters_.cluster_of_side[side], atlas_.slots[slot].albedo_rgb);
   }
@@ -40,7 +41,7 @@ std::vector<trace::Ray> Gatherer::sideRays(uint32_t side, uint32_t rays) const {
   return cosineRays(scene_.mesh, atlas_, sides_, {&side, 1}, rays, seed_, kSideStream + side);
 }
 
-GatherRow Gatherer::side(uint32_t side, uint32_t rays) const { return trace(sideRays(side, rays), rays); }
+GatherRow Gatherer::side(uint32_t side, uint32_t rays) const { return trace(sideRays(side, rays), rays, true); }
 
 Rgb Gatherer::emittedIrradiance(uint32_t side, uint32_t rays) const {
   const auto list = sideRays(side, rays);
@@ -60,7 +61,7 @@ std::vector<trace::Ray> Gatherer::meanRays(std::span<const uint32_t> members, ui
 }
 
 GatherRow Gatherer::mean(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {
-  return trace(meanRays(members, rays, owner), rays);
+  return trace(meanRays(members, rays, owner), rays, false);
 }
 
 std::vector<std::pair<uint32_t, uint32_t>> Gatherer::met(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {

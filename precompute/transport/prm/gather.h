@@ -26,7 +26,8 @@ class Gatherer {
   std::vector<trace::Ray> sideRays(uint32_t side, uint32_t rays) const;
   /// The row of one texel's side.
   GatherRow side(uint32_t side, uint32_t rays) const;
-  /// The area-weighted mean row over the sides `members` of a cluster or group; `owner` keys its random numbers.
+  /// The area-weighted mean row over the exposed surface of the sides `members` of a cluster or group: rays that meet the unlit backs of surfaces began
+  /// inside of something and do not count. `owner` keys the random numbers.
   GatherRow mean(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
   /// How many of `rays` rays of mean() meet each cluster: (cluster, count), clusters ascend.
   std::vector<std::pair<uint32_t, uint32_t>> met(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
@@ -35,7 +36,7 @@ class Gatherer {
 
  private:
   std::vector<trace::Ray> meanRays(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
-  GatherRow trace(std::span<const trace::Ray> rays, uint32_t denominator) const;
+  GatherRow trace(std::span<const trace::Ray> rays, uint32_t denominator, bool backs_count) const;
   const scene::Scene& scene_;
   const atlas::Atlas& atlas_;
   const trace::Tracer& tracer_;

@@ -2,8 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <bit>
 #include <numeric>
-#include <tuple>
 
 #include "precompute/transport/prm/block_transport.h"
 
@@ -13,43 +13,53 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXf;
+using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Basis values are stored in eight bits with a sign.
 constexpr float kBasisSteps = 127.0f;
 // The share of a light's mean that bounds the weight of dark texels, as in the definition of texrel (docs/cli.md).
 constexpr float kDarkFloor = 0.1f;
-// Beside the training lights, the basis is made for light on each single cluster: as strong as it typically is (at least this share of the
-// mean), with this weight against the training lights.
-// Groups are alike when their direct light under the training lights correlates by more than this.
-constexpr float kAlike = 0.5f;
-constexpr float kUnseenFloor = 0.3f, kUnseenWeight = 0.5f;
+// Beside the training lights, the basis is made for light on each single cluster: as strong as it typically is (at least this share of the mean), with
+// this weight against the training lights.
+constexpr float kUnseenFloor = 0.3f, kUnseenWeight = 0.25f;
+// A wavelet that no training light excites is taken to be as large as this share of the light around it.
+constexpr float kUnseenWavelet = 0.1f;
+// Coefficients of differences round away from half a step toward zero: what just reaches it costs more bytes than it is worth.
+constexpr float kRounding = 0.4f;
+// A coefficient is linked as often as it needs bytes; this bounds what a degenerate block can ask for.
+constexpr float kMostSteps = 127.0f * 512;
 
-/// Principal components of the columns of `samples` (texels × samples), rows weighted by `texel_weight`: the fewest that leave the residual asked
-/// for, quantised.
-MatrixXf principalBasis(const MatrixXf& samples, const VectorXf& texel_weight, const LocalBasesOptions& options) {
-  const MatrixXf weighted = texel_weight.asDiagonal() * samples;
-  const Eigen::Index texels = samples.rows();
-  MatrixXf gram = MatrixXf::Zero(texels, texels);
-  gram.selfadjointView<Eigen::Lower>().rankUpdate(weighted);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(gram.cast<double>());
-  const double total = std::max(0.0, solver.eigenvalues().sum());
-  double residual = total;
-  Eigen::Index rank = 0;
-  const Eigen::Index most_rank = std::min<Eigen::Index>(options.most_rank, texels);
-  while (rank < most_rank && residual > double(options.rank_error) * options.rank_error * total && residual > 0) {
-    residual -= std::max(0.0, solver.eigenvalues()[texels - 1 - rank]);
-    ++rank;
+/// Principal components in the metric of `texel_weight`, from the Gram matrix of the weighted texels.
+struct Components {
+  Eigen::SelfAdjointEigenSolver<MatrixXd> solver;
+  Eigen::Index rank = 0;  // that leaves the residual asked for; may be more than most_rank
+
+  /// `residual2`: the square that may be left. The noise of the texels' rays is the same in all directions: what the lesser half of the components have is
+  /// taken for it, and only what stands out of it counts.
+  Components(const MatrixXf& gram, double residual2) : solver(gram.cast<double>()) {
+    const auto& value = solver.eigenvalues();
+    const Eigen::Index count = value.size();
+    const double noise = count > 3 ? std::max(0.0, value[count / 4]) : 0.0;
+    double rest = 0;
+    for (Eigen::Index k = 0; k < count; ++k) rest += std::max(0.0, value[k] - noise);
+    while (rank < count && rest > residual2) {
+      rest -= std::max(0.0, value[count - 1 - rank] - noise);
+      ++rank;
+    }
   }
-  MatrixXf basis(texels, rank);
-  for (Eigen::Index k = 0; k < rank; ++k) {
-    VectorXf column = solver.eigenvectors().col(texels - 1 - k).cast<float>().cwiseQuotient(texel_weight);
-    Eigen::Index largest;
-    column.cwiseAbs().maxCoeff(&largest);
-    column /= column[largest];  // the sign of an eigenvector is arbitrary: make its largest value +1
-    basis.col(k) = (column * kBasisSteps).array().round() / kBasisSteps;
+  /// The first `rank` components as basis maps, quantised.
+  MatrixXf basis(Eigen::Index rank_of_basis, const VectorXf& texel_weight) const {
+    const Eigen::Index texels = texel_weight.size();
+    MatrixXf result(texels, rank_of_basis);
+    for (Eigen::Index k = 0; k < rank_of_basis; ++k) {
+      VectorXf column = solver.eigenvectors().col(texels - 1 - k).cast<float>().cwiseQuotient(texel_weight);
+      Eigen::Index largest;
+      column.cwiseAbs().maxCoeff(&largest);
+      column /= column[largest];  // the sign of an eigenvector is arbitrary: make its largest value +1
+      result.col(k) = (column * kBasisSteps).array().round() / kBasisSteps;
+    }
+    return result;
   }
-  return basis;
-}
+};
 
 /// The linear map (rank × texels) from a column of irradiance to its coordinates: weighted least squares in the quantised basis U, under the constraint
 /// that the area integral is kept. Without it every light that the basis was not made for would lose the part of its energy that lies outside.
@@ -67,215 +77,275 @@ MatrixXf energyKeepingCoordinates(const MatrixXf& basis, const VectorXf& texel_w
   return (coordinates + direction / curvature * (alpha.transpose() - integral.transpose() * coordinates)).cast<float>();
 }
 
-/// Which groups a block links to, and how.
-struct LinkedGroups {
-  std::vector<char> merged;             // [group]: takes the place of its fine clusters
-  std::vector<char> kept;               // [group]
-  std::array<MatrixXf, 3> coordinates;  // per channel [rank][group]
-};
-
-/// `coordinates`: per channel [rank][cluster], the block's answer to direct light on the fine clusters it sees. Errors are those of the training lights,
-/// each weighted by `light_weight`, in the norm of the weighted basis.
-LinkedGroups linkGroups(const EntryClusters& clusters, const MultiBounce& multi_bounce, const TrainingLights& training, const std::vector<uint32_t>& cluster,
-                        const std::array<MatrixXf, 3>& coordinates, const VectorXf& light_weight, const VectorXf& basis_norm2, double signal2,
-                        const LocalBasesOptions& options) {
-  const Eigen::Index groups = clusters.group_count, rank = basis_norm2.size();
-  const MatrixXf group_direct = training.direct.bottomRows(groups) * light_weight.asDiagonal();
-  const auto norm2 = [&](const MatrixXf& answer) { return (answer.array().square().colwise() * basis_norm2.array()).cast<double>().sum(); };
-  LinkedGroups linked;
-  linked.merged.assign(groups, 0);
-  linked.kept.assign(groups, 0);
-  for (int channel = 0; channel < 3; ++channel) linked.coordinates[channel] = multi_bounce.groupResponse(channel, cluster, coordinates[channel]);
-
-  // Merge: what would go wrong if all clusters of a group shared the group's irradiance?
-  struct Range {
-    double error2;
-    size_t begin, end;  // into `cluster`
-  };
-  std::vector<Range> ranges;
-  for (size_t begin = 0, end = 0; begin < cluster.size(); begin = end) {
-    const uint32_t group = clusters.group_of_cluster[cluster[begin]];
-    while (end < cluster.size() && clusters.group_of_cluster[cluster[end]] == group) ++end;
-    MatrixXf deviation(end - begin, training.count);
-    for (size_t l = begin; l < end; ++l)
-      deviation.row(l - begin) = training.direct.row(cluster[l]) - training.direct.row(clusters.cluster_count + group);
-    deviation = deviation * light_weight.asDiagonal();
-    double error2 = 0;
-    for (const auto& matrix : coordinates) error2 += norm2(matrix.middleCols(begin, end - begin) * deviation);
-    ranges.push_back({error2, begin, end});
+/// What a wavelet costs in bits: about those that its link and its coefficients take, and what is worth that of the error that rounding leaves. Errors of differences
+/// add up like noise. Means are never negative and lost in one sense: what is dropped of them is dear, or thousands of small ones would go together.
+float costOf(const float* value, const int32_t* steps, uint32_t width, bool is_mean) {
+  constexpr float kLink = 8, kPerSquaredStep = 8, kPerLostStep = 40;
+  float bits = 0, lost = 0;
+  for (uint32_t i = 0; i < width; ++i) {
+    if (steps[i]) bits += float(1 + 2 * std::bit_width(uint32_t(std::abs(steps[i]))));
+    const float rest = value[i] - float(steps[i]);
+    lost += is_mean && !steps[i] ? kPerLostStep * std::abs(rest) : kPerSquaredStep * rest * rest;
   }
-  std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return std::tie(a.error2, a.begin) < std::tie(b.error2, b.begin); });
-  double spent2 = 0;
-  for (const auto& range : ranges) {
-    spent2 += range.error2;
-    if (spent2 > double(options.link_error) * options.link_error * signal2) break;
-    const uint32_t group = clusters.group_of_cluster[cluster[range.begin]];
-    linked.merged[group] = 1;
-    for (int channel = 0; channel < 3; ++channel)
-      linked.coordinates[channel].col(group) += coordinates[channel].middleCols(range.begin, range.end - range.begin).rowwise().sum();
-  }
-
-  // Prune: light of groups that hardly matter adds up in one sense, so its sum is what is limited.
-  std::vector<std::pair<double, uint32_t>> importance;
-  for (uint32_t g = 0; g < groups; ++g) {
-    double importance2 = 0;
-    for (const auto& matrix : linked.coordinates) importance2 += norm2(matrix.col(g));
-    importance.emplace_back(importance2 * group_direct.row(g).cast<double>().squaredNorm(), g);
-  }
-  std::sort(importance.begin(), importance.end());
-  std::array<MatrixXf, 3> lost;
-  for (auto& matrix : lost) matrix.setZero(rank, training.count);
-  size_t pruned = 0;
-  for (; pruned < importance.size(); ++pruned) {
-    const uint32_t group = importance[pruned].second;
-    double lost2 = 0;
-    for (int channel = 0; channel < 3; ++channel) {
-      lost[channel] += linked.coordinates[channel].col(group) * group_direct.row(group);
-      lost2 += norm2(lost[channel]);
-    }
-    if (lost2 > double(options.prune_error) * options.prune_error * signal2) break;
-  }
-  // Their light is carried by groups that are lit alike, as it is: evenly spread light keeps its energy exactly. Without one a group stays.
-  for (size_t i = pruned; i < importance.size(); ++i) linked.kept[importance[i].second] = 1;
-  for (size_t i = 0; i < pruned; ++i) {
-    const uint32_t group = importance[i].second;
-    const auto alike = std::span(training.stand_ins.group).subspan(size_t(group) * StandIns::kMost, StandIns::kMost);
-    const auto other = std::find_if(alike.begin(), alike.end(), [&](uint32_t g) { return g != kNone && linked.kept[g]; });
-    if (importance[i].first == 0) continue;  // no light at all
-    if (other == alike.end()) linked.kept[group] = 1;
-    else for (auto& matrix : linked.coordinates) matrix.col(*other) += matrix.col(group);
-  }
-  return linked;
+  return (bits > 0 ? bits + kLink : 0) + lost;
 }
 
-StandIns makeStandIns(const TrainingLights& training, uint32_t groups) {
-  const Eigen::Map<const VectorXf> weight(training.weight.data(), Eigen::Index(training.weight.size()));
-  const MatrixXf direct = training.direct.bottomRows(groups) * weight.asDiagonal();
-  const MatrixXf product = direct * direct.transpose();
-  StandIns result;
-  result.group.assign(size_t(groups) * StandIns::kMost, kNone);
-  std::vector<std::pair<float, uint32_t>> alike;  // correlation, group
-  for (uint32_t g = 0; g < groups; ++g) {
-    alike.clear();
-    for (uint32_t other = 0; other < groups; ++other) {
-      const float norm2 = product(g, g) * product(other, other);
-      const float correlation = norm2 > 0 ? product(g, other) / std::sqrt(norm2) : 0.0f;
-      if (other != g && correlation > kAlike) alike.emplace_back(-correlation, other);
-    }
-    std::sort(alike.begin(), alike.end());
-    for (size_t i = 0; i < std::min<size_t>(alike.size(), StandIns::kMost); ++i) result.group[g * StandIns::kMost + i] = alike[i].second;
+/// Adds the block's amounts as rows over wavelets. `coordinates`: per channel [rank][cluster], what comes straight from fine clusters.
+///
+/// Light on a subtree is known by its mean and the differences below; or by that of the two children, each on its own. Of all such bases the one that
+/// costs least is found from the leaves up (Coifman, Wickerhauser: "Entropy-Based Algorithms for Best Basis Selection"): where a block is
+/// lit from one room only, the light of all others need not be cancelled.
+void linkWavelets(const EntryClusters& clusters, const WaveletIndex& wavelets, const MultiBounce& multi_bounce, const TrainingLights& training,
+                  const std::vector<uint32_t>& cluster, const std::array<MatrixXf, 3>& coordinates, const VectorXf& basis_norm,
+                  const LocalBasesOptions& options, BasisBlock& block) {
+  const uint32_t count = clusters.cluster_count, width = block.rank * 3, rank = block.rank;
+  std::vector<float> response(size_t(waveletCount(count)) * width);
+  for (int channel = 0; channel < 3; ++channel) {
+    const auto at = [&](uint32_t wavelet, uint32_t k) -> float& { return response[size_t(wavelet) * width + k * 3 + uint32_t(channel)]; };
+    for (size_t l = 0; l < cluster.size(); ++l)
+      for (uint32_t k = 0; k < rank; ++k) at(cluster[l], k) = coordinates[channel](k, Eigen::Index(l));
+    const MatrixXf from_groups = multi_bounce.groupResponse(channel, cluster, coordinates[channel]);
+    for (uint32_t g = 0; g < clusters.group_count; ++g)
+      for (uint32_t k = 0; k < rank; ++k) at(wavelets.group_mean[g], k) += from_groups(k, g);
   }
-  return result;
+  responseToWavelets(clusters.tree, wavelets.children, width, response);
+
+  for (uint32_t k = 0; k < rank; ++k) block.scale.push_back(options.wavelet_step / basis_norm[k]);
+  std::vector<int32_t> steps(response.size());
+  std::vector<float> cost(waveletCount(count));
+  for (uint32_t w = 0; w < cost.size(); ++w) {
+    const float unit = waveletUnit(training.wavelet_unit[w]);
+    const bool is_mean = w < differenceIndex(count, 0);
+    for (uint32_t i = 0; i < width; ++i) {
+      float& value = response[size_t(w) * width + i];
+      value = std::clamp(value * unit / block.scale[i / 3], -kMostSteps, kMostSteps);
+      steps[size_t(w) * width + i] = int32_t(std::copysign(std::floor(std::abs(value) + (is_mean ? 0.5f : kRounding)), value));
+    }
+    cost[w] = costOf(&response[size_t(w) * width], &steps[size_t(w) * width], width, is_mean);
+  }
+  // Of each child, the cost of all differences below, and that of its best basis.
+  std::vector<float> below(count, 0), best(count, 0);
+  const auto belowChild = [&](uint32_t child) { return child & WaveletTree::kLeaf ? 0 : below[child]; };
+  const auto bestOf = [&](uint32_t child) { return child & WaveletTree::kLeaf ? cost[child & ~WaveletTree::kLeaf] : best[child]; };
+  for (uint32_t n = count - 1; n-- > 0;) {
+    const auto [first, second] = wavelets.children[n];
+    below[n] = cost[differenceIndex(count, n)] + belowChild(first) + belowChild(second);
+    best[n] = std::min(cost[meanIndex(count, n)] + below[n], bestOf(first) + bestOf(second));
+  }
+  std::vector<char> chosen(cost.size(), 0);
+  if (count == 1) chosen[0] = 1;
+  std::vector<std::pair<uint32_t, bool>> open;  // child, whether its mean is known from above
+  if (count > 1) open.emplace_back(0, false);
+  while (!open.empty()) {
+    const auto [child, known] = open.back();
+    open.pop_back();
+    if (child & WaveletTree::kLeaf) {
+      if (!known) chosen[child & ~WaveletTree::kLeaf] = 1;
+      continue;
+    }
+    const auto [first, second] = wavelets.children[child];
+    const bool whole = known || cost[meanIndex(count, child)] + below[child] <= bestOf(first) + bestOf(second);
+    if (whole && !known) chosen[meanIndex(count, child)] = 1;
+    if (whole) chosen[differenceIndex(count, child)] = 1;
+    open.emplace_back(first, whole);
+    open.emplace_back(second, whole);
+  }
+  for (uint32_t w = 0; w < cost.size(); ++w) {
+    int32_t* rest = &steps[size_t(w) * width];
+    for (bool any = chosen[w] && std::any_of(rest, rest + width, [](int32_t v) { return v != 0; }); any;) {  // in parts that a byte holds
+      any = false;
+      block.link_wavelet.push_back(w);
+      for (uint32_t i = 0; i < width; ++i) {
+        const int32_t part = std::clamp(rest[i], -127, 127);
+        block.coefficient.push_back(int8_t(part));
+        rest[i] -= part;
+        any |= rest[i] != 0;
+      }
+    }
+  }
 }
 
 }  // namespace
 
-TrainingLights makeTrainingLights(const EntryClusters& clusters, const MultiBounce& multi_bounce,
-                                  std::vector<std::vector<float>> direct_irradiance) {
+WaveletIndex::WaveletIndex(const EntryClusters& clusters) : children(clusters.tree.children(clusters.cluster_count)), group_mean(clusters.group_count) {
+  const uint32_t count = clusters.cluster_count;
+  std::vector<uint32_t> first_leaf(count), leaves(count);
+  const auto visit = [&](uint32_t child, uint32_t from, uint32_t under) {
+    if (!(child & WaveletTree::kLeaf)) first_leaf[child] = from, leaves[child] = under;
+    const uint32_t group = clusters.group_of_cluster[from];
+    if (clusters.group_first_cluster[group] == from && clusters.group_first_cluster[group + 1] == from + under) group_mean[group] = meanIndex(count, child);
+  };
+  if (count) visit(count == 1 ? WaveletTree::kLeaf : 0, 0, count);
+  for (uint32_t n = 0; n < children.size(); ++n) {
+    visit(children[n].first, first_leaf[n], clusters.tree.first_leaves[n]);
+    visit(children[n].second, first_leaf[n] + clusters.tree.first_leaves[n], leaves[n] - clusters.tree.first_leaves[n]);
+  }
+}
+
+TrainingLights makeTrainingLights(const EntryClusters& clusters, const WaveletIndex& wavelets, const MultiBounce& multi_bounce, bool grey,
+                                  const std::vector<std::vector<float>>& direct_irradiance) {
   TrainingLights training;
   training.count = uint32_t(direct_irradiance.size());
-  const uint32_t rows = clusters.cluster_count + clusters.group_count;
-  training.direct.resize(rows, training.count);
+  training.grey = grey;
+  training.total.resize(clusters.cluster_count, training.count);
   for (uint32_t light = 0; light < training.count; ++light)
-    for (uint32_t row = 0; row < rows; ++row) training.direct(row, light) = direct_irradiance[light][row];
-  for (int channel = 0; channel < 3; ++channel)
-    training.cluster_indirect[channel] = multi_bounce.received(channel, training.direct.bottomRows(clusters.group_count));
+    for (uint32_t c = 0; c < clusters.cluster_count; ++c) training.total(c, light) = direct_irradiance[light][c];
+  const RowMajor direct = training.total;
+
+  MatrixXf group_direct = MatrixXf::Zero(clusters.group_count, training.count);
+  for (uint32_t c = 0; c < clusters.cluster_count; ++c) {
+    const uint32_t group = clusters.group_of_cluster[c];
+    group_direct.row(group) += direct.row(c) * (clusters.area[c] / clusters.area[clusters.cluster_count + group]);
+  }
+  std::vector<double> mean(training.count, 0.0);
+  double area = 0;
+  for (uint32_t c = 0; c < clusters.cluster_count; ++c) area += clusters.area[c];
+  for (int channel = 0; channel < 3; ++channel) {
+    const Eigen::Index first = training.first(channel), count = Eigen::Index(training.first(channel + 1)) - first;
+    if (count == 0) continue;
+    const MatrixXf indirect = multi_bounce.received(channel, group_direct.middleCols(first, count));
+    for (Eigen::Index light = 0; light < count; ++light)
+      for (uint32_t c = 0; c < clusters.cluster_count; ++c) mean[size_t(first + light)] += double(clusters.area[c]) * indirect(c, light);
+    training.total.middleCols(first, count) += indirect;
+  }
 
   // Sealed pockets: their light is nearly zero everywhere, and a weight of one over it would let them rule the basis.
   training.weight.assign(training.count, 0.0f);
-  std::vector<double> mean(training.count, 0.0);
-  double area = 0;
-  for (uint32_t cluster = 0; cluster < clusters.cluster_count; ++cluster) {
-    area += clusters.area[cluster];
-    for (uint32_t light = 0; light < training.count; ++light) mean[light] += double(clusters.area[cluster]) * training.cluster_indirect[1](cluster, light);
-  }
   std::vector<double> sorted = mean;
-  if (!sorted.empty()) std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
+  if (!sorted.empty()) std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
   const double median = sorted.empty() ? 0.0 : sorted[sorted.size() / 2];
   for (uint32_t light = 0; light < training.count; ++light)
     if (mean[light] > 0.1 * median) training.weight[light] = float(area / mean[light]);
-  training.stand_ins = makeStandIns(training, clusters.group_count);
+
+  const Eigen::Map<const Eigen::RowVectorXf> weight(training.weight.data(), training.count);
+  const RowMajor weighted = direct * weight.asDiagonal();
+  const auto wavelet = toWavelets(clusters.tree, wavelets.children, training.count, std::span(weighted.data(), size_t(weighted.size())));
+  const float per_light = 1.0f / float(std::max(1u, training.count));
+  const uint32_t count = clusters.cluster_count;
+  for (uint32_t w = 0; w < waveletCount(count); ++w) {
+    const Eigen::Map<const VectorXf> row(&wavelet[size_t(w) * training.count], training.count);
+    float size = std::sqrt(row.squaredNorm() * per_light);
+    if (w >= differenceIndex(count, 0)) {
+      const uint32_t node = w - differenceIndex(count, 0);
+      size = std::max(size, kUnseenWavelet * waveletUnit(training.wavelet_unit[meanIndex(count, node)]));
+    }
+    training.wavelet_unit.push_back(waveletUnitCode(size));
+  }
   return training;
 }
 
-BasisBlock fitBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const MultiBounce& multi_bounce,
-                    const TrainingLights& training, const EmitterLight& emitters, std::span<const float> slot_area, const LocalBasesOptions& options) {
-  BasisBlock result;
-  result.slot.assign(slots.begin(), slots.end());
-  const BlockTransport transport = gatherBlock(slots, gatherer, options.rays);
-  const Eigen::Index texels = slots.size(), links = transport.cluster.size(), lights = training.count;
+namespace {
 
-  if (!emitters.direct_rgb.empty()) {
-    result.emitter_indirect_rgb.assign(slots.size(), Rgb(0.0f));
-    for (Eigen::Index t = 0; t < texels; ++t)
-      for (int channel = 0; channel < 3; ++channel) {
-        double sum = 0;
-        for (Eigen::Index l = 0; l < links; ++l) {
-          const uint32_t cluster = transport.cluster[l];
-          sum += transport.from_cluster[channel](t, l) * (emitters.direct_rgb[cluster][channel] + emitters.cluster_indirect_rgb[cluster][channel]);
+/// The fit of a set of texels whose transport is known.
+class BlockFit {
+ public:
+  BlockFit(const atlas::Atlas& atlas, const EntryClusters& clusters, const WaveletIndex& wavelets, const MultiBounce& multi_bounce,
+           const TrainingLights& training, const LocalBasesOptions& options, const std::vector<uint32_t>& cluster)
+      : atlas_(atlas), clusters_(clusters), wavelets_(wavelets), multi_bounce_(multi_bounce), training_(training), options_(options), cluster_(cluster),
+        total_(Eigen::Index(cluster.size()), Eigen::Index(training.count)) {
+    for (size_t l = 0; l < cluster.size(); ++l) total_.row(Eigen::Index(l)) = training.total.row(cluster[l]);
+  }
+
+  /// `from_cluster`: per channel [texel][cluster]. Appends one block or several.
+  void fit(const std::vector<uint32_t>& slots, const std::array<RowMajor, 3>& from_cluster, std::vector<BasisBlock>& blocks) const {
+    const Eigen::Index texels = Eigen::Index(slots.size()), links = Eigen::Index(cluster_.size()), lights = training_.count;
+    // The block's indirect light under every training light.
+    MatrixXf samples(texels, lights);
+    for (int channel = 0; channel < 3; ++channel) {
+      const Eigen::Index first = training_.first(channel), count = Eigen::Index(training_.first(channel + 1)) - first;
+      if (count > 0) samples.middleCols(first, count).noalias() = from_cluster[channel] * total_.middleCols(first, count);
+    }
+    // relrmse weighs a texel's error by one over the light's mean, texrel by one over the texel's own light. A least-squares fit takes weights that are a
+    // product of one factor per light and one per texel: the first from the light's mean over everything and over the block, the second from the mean light.
+    VectorXf light_weight(lights);
+    Eigen::Index counted = 0;
+    for (Eigen::Index m = 0; m < lights; ++m) {
+      light_weight[m] = training_.weight[m] > 0 ? 1.0f / (1.0f / training_.weight[m] + samples.col(m).mean()) : 0.0f;
+      counted += training_.weight[m] > 0;
+    }
+    samples = samples * light_weight.asDiagonal();
+    VectorXf texel_weight = samples.rowwise().mean();
+    texel_weight = (texel_weight.array() + kDarkFloor * texel_weight.mean() + std::numeric_limits<float>::min()).inverse();
+
+    const VectorXf typical = (total_ * light_weight.asDiagonal()).rowwise().norm() / std::sqrt(float(std::max<Eigen::Index>(1, lights)));
+    const float typical_floor = kUnseenFloor * (links > 0 ? typical.mean() : 0.0f);
+    MatrixXf gram = MatrixXf::Zero(texels, texels);
+    const auto addToGram = [&](const MatrixXf& columns, float weight) {
+      gram.selfadjointView<Eigen::Lower>().rankUpdate(texel_weight.asDiagonal() * columns, weight);
+    };
+    addToGram(samples, 1.0f);
+    for (int channel = 0; channel < 3; ++channel)
+      if (!training_.grey || channel == 1)
+        addToGram(from_cluster[channel] * (typical.array() + typical_floor).matrix().asDiagonal(),
+                  kUnseenWeight * kUnseenWeight * float(lights) * (training_.grey ? 1.0f : 1.0f / 3.0f));
+    const Components components(gram, double(options_.rank_error) * options_.rank_error * double(texels) * double(std::max<Eigen::Index>(1, counted)));
+    if (components.rank > Eigen::Index(options_.most_rank) && slots.size() >= 2 * size_t(options_.least_texels)) {
+      for (const auto& part : halves(slots)) {
+        std::vector<uint32_t> part_slots;
+        std::array<RowMajor, 3> part_from;
+        for (int channel = 0; channel < 3; ++channel) {
+          part_from[channel].resize(Eigen::Index(part.size()), links);
+          for (size_t i = 0; i < part.size(); ++i) part_from[channel].row(Eigen::Index(i)) = from_cluster[channel].row(part[i]);
         }
-        result.emitter_indirect_rgb[t][channel] = float(sum);
+        for (const uint32_t i : part) part_slots.push_back(slots[i]);
+        fit(part_slots, part_from, blocks);
       }
+      return;
+    }
+    BasisBlock& block = blocks.emplace_back();
+    block.slot = slots;
+    block.rank = uint32_t(std::min<Eigen::Index>(components.rank, options_.most_rank));
+    if (block.rank == 0) return;
+    const MatrixXf basis = components.basis(block.rank, texel_weight);
+    VectorXf area(texels);
+    for (Eigen::Index t = 0; t < texels; ++t) area[t] = atlas_.slots[slots[size_t(t)]].area;
+    const MatrixXf to_coordinates = energyKeepingCoordinates(basis, texel_weight, area);
+    const VectorXf basis_norm = (texel_weight.asDiagonal() * basis).colwise().norm() / std::sqrt(float(texels));
+    std::array<MatrixXf, 3> coordinates;
+    for (int channel = 0; channel < 3; ++channel) coordinates[channel] = to_coordinates * from_cluster[channel];
+    linkWavelets(clusters_, wavelets_, multi_bounce_, training_, cluster_, coordinates, basis_norm, options_, block);
+    for (Eigen::Index t = 0; t < texels; ++t)
+      for (Eigen::Index k = 0; k < basis.cols(); ++k) block.basis.push_back(int8_t(std::lround(basis(t, k) * kBasisSteps)));
   }
 
-  // The block's indirect light under every training light.
-  MatrixXf direct(links, lights);
-  for (Eigen::Index l = 0; l < links; ++l) direct.row(l) = training.direct.row(transport.cluster[l]);
-  MatrixXf samples(texels, 3 * lights);
-  for (int channel = 0; channel < 3; ++channel) {
-    MatrixXf total = direct;
-    for (Eigen::Index l = 0; l < links; ++l) total.row(l) += training.cluster_indirect[channel].row(transport.cluster[l]);
-    samples.middleCols(channel * lights, lights).noalias() = transport.from_cluster[channel] * total;
+ private:
+  /// The texels in two, as partitions are cut.
+  std::array<std::vector<uint32_t>, 2> halves(const std::vector<uint32_t>& slots) const {
+    std::vector<SurfaceElement> elements;
+    for (const uint32_t slot : slots) elements.push_back({atlas_.slots[slot].position, atlas_.slots[slot].normal});
+    return bisect(elements);
   }
-  // texrel weighs every texel under every light by one over (its light + a tenth of the light's mean). A least-squares fit takes weights that are a
-  // product of one factor per light and one per texel: those of the block's mean and of the mean light.
-  VectorXf light_weight(lights);
-  for (Eigen::Index m = 0; m < lights; ++m) {
-    const float global_mean = training.weight[m] > 0 ? 1.0f / training.weight[m] : 0.0f;
-    light_weight[m] = global_mean > 0 ? 1.0f / (kDarkFloor * global_mean + samples.col(lights + m).mean()) : 0.0f;
-  }
-  for (int channel = 0; channel < 3; ++channel)
-    samples.middleCols(channel * lights, lights) = samples.middleCols(channel * lights, lights) * light_weight.asDiagonal();
 
-  VectorXf texel_weight = samples.rowwise().mean();
-  texel_weight = (texel_weight.array() + kDarkFloor * texel_weight.mean() + std::numeric_limits<float>::min()).inverse();
+  const atlas::Atlas& atlas_;
+  const EntryClusters& clusters_;
+  const WaveletIndex& wavelets_;
+  const MultiBounce& multi_bounce_;
+  const TrainingLights& training_;
+  const LocalBasesOptions& options_;
+  const std::vector<uint32_t>& cluster_;
+  RowMajor total_;  // [cluster][light]
+};
 
-  // Beside the training lights, light on any single cluster must find some answer in the basis.
-  const VectorXf typical_direct = (direct * light_weight.asDiagonal()).rowwise().norm() / std::sqrt(float(std::max<Eigen::Index>(1, lights)));
-  const float typical_floor = kUnseenFloor * (links > 0 ? typical_direct.mean() : 0.0f);
-  MatrixXf extended(texels, 3 * lights + 3 * links);
-  extended.leftCols(3 * lights) = samples;
-  for (int channel = 0; channel < 3; ++channel)
-    extended.middleCols(3 * lights + channel * links, links) =
-        transport.from_cluster[channel] * ((typical_direct.array() + typical_floor) * (kUnseenWeight * std::sqrt(float(lights)))).matrix().asDiagonal();
-  VectorXf area(texels);
-  for (Eigen::Index t = 0; t < texels; ++t) area[t] = slot_area[t];
-  const MatrixXf basis = principalBasis(extended, texel_weight, options);
-  if (basis.cols() == 0) return result;
-  const MatrixXf to_coordinates = energyKeepingCoordinates(basis, texel_weight, area);
-  const Eigen::Index rank = basis.cols();
-  result.rank = uint32_t(rank);
-  const VectorXf basis_norm2 = (texel_weight.asDiagonal() * basis).colwise().squaredNorm();
-  const double signal2 = (texel_weight.asDiagonal() * samples).cast<double>().squaredNorm();
+}  // namespace
 
-  std::array<MatrixXf, 3> coordinates;
-  for (int channel = 0; channel < 3; ++channel) coordinates[channel] = to_coordinates * transport.from_cluster[channel];
-
-  const LinkedGroups linked = linkGroups(clusters, multi_bounce, training, transport.cluster, coordinates, light_weight, basis_norm2, signal2, options);
-  const auto emit = [&](uint32_t cluster, const std::array<MatrixXf, 3>& columns, Eigen::Index column) {
-    result.link_cluster.push_back(cluster);
-    for (Eigen::Index k = 0; k < rank; ++k)
-      for (int channel = 0; channel < 3; ++channel) result.coefficient.push_back(columns[channel](k, column));
-  };
-  for (Eigen::Index l = 0; l < links; ++l)
-    if (!linked.merged[clusters.group_of_cluster[transport.cluster[l]]]) emit(transport.cluster[l], coordinates, l);
-  for (uint32_t g = 0; g < clusters.group_count; ++g)
-    if (linked.kept[g]) emit(clusters.cluster_count + g, linked.coordinates, g);
-
-  result.basis.resize(texels * rank);
-  for (Eigen::Index t = 0; t < texels; ++t)
-    for (Eigen::Index k = 0; k < rank; ++k) result.basis[t * rank + k] = basis(t, k);
-  return result;
+std::vector<BasisBlock> fitBlock(std::span<const uint32_t> slots, const atlas::Atlas& atlas, const Gatherer& gatherer, const EntryClusters& clusters,
+                                 const WaveletIndex& wavelets, const MultiBounce& multi_bounce, const TrainingLights& training,
+                                 const EmitterLight& emitters, const LocalBasesOptions& options) {
+  const BlockTransport transport = gatherBlock(slots, gatherer, options.rays);
+  std::array<RowMajor, 3> from_cluster;
+  for (int channel = 0; channel < 3; ++channel) from_cluster[channel] = transport.from_cluster[channel];
+  std::vector<BasisBlock> blocks;
+  BlockFit(atlas, clusters, wavelets, multi_bounce, training, options, transport.cluster).fit({slots.begin(), slots.end()}, from_cluster, blocks);
+  if (emitters.cluster_rgb.empty()) return blocks;
+  for (BasisBlock& block : blocks)
+    for (const uint32_t slot : block.slot) {
+      const Eigen::Index t = std::find(slots.begin(), slots.end(), slot) - slots.begin();
+      Rgb& sum = block.emitter_indirect_rgb.emplace_back(0.0f);
+      for (size_t l = 0; l < transport.cluster.size(); ++l)
+        for (int channel = 0; channel < 3; ++channel)
+          sum[channel] += transport.from_cluster[channel](t, Eigen::Index(l)) * emitters.cluster_rgb[transport.cluster[l]][channel];
+    }
+  return blocks;
 }
 
 }  // namespace lightwell::transport

@@ -33,6 +33,7 @@ std::vector<WalkVertex> virtualLightWalks(const scene::Scene& scene, const atlas
     Rgb flux_rgb;       // carried, reflected at the current vertex
     Rgb albedo_rgb;     // at the current vertex
   };
+  const auto exposedArea = [&](uint32_t side) { return double(atlas.slots[sides.slot[side]].area) * clusters.exposed[side]; };
   std::vector<WalkVertex> vertices;
   std::vector<Walk> walks;
   const Sampler sampler(seed, kWalkStream);
@@ -44,13 +45,13 @@ std::vector<WalkVertex> virtualLightWalks(const scene::Scene& scene, const atlas
     const uint32_t starts = (first_entry[entry_cluster + 1] - first_entry[entry_cluster]) * walks_per_entry;
     const float area = clusters.area[entry_cluster];
     uint32_t at = first;
-    double reached = atlas.slots[sides.slot[clusters.cluster_side[first]]].area;
+    double reached = exposedArea(clusters.cluster_side[first]);
     for (uint32_t k = 0; k < starts; ++k) {
       const uint32_t number = uint32_t(walks.size());
       const double target = area * (k + 0.5) / starts;
       while (reached < target && at + 1 < end) {
         ++at;
-        reached += atlas.slots[sides.slot[clusters.cluster_side[at]]].area;
+        reached += exposedArea(clusters.cluster_side[at]);
       }
       const uint32_t side = clusters.cluster_side[at];
       const auto point = sampleSide(scene.mesh, atlas, sides, side, sampler.get1D(number, 0), sampler.get2D(number, 1));

@@ -32,10 +32,13 @@ Partition partitionByExtent(std::span<const SurfaceElement> elements, float exte
         low[axis] = std::min(low[axis], value);
         high[axis] = std::max(high[axis], value);
       }
+    float spacing = 1;
+    for (uint32_t i = begin; i < end; ++i) spacing = std::min(spacing, elements[partition.order[i]].spacing);
+    const auto length = [&](int axis) { return (high[axis] - low[axis]) / (axis < 3 ? spacing : 1.0f); };
     int longest = 0;
     for (int axis = 1; axis < 6; ++axis)
-      if (high[axis] - low[axis] > high[longest] - low[longest]) longest = axis;
-    const bool too_wide = high[longest] - low[longest] > 1.0f;
+      if (length(axis) > length(longest)) longest = axis;
+    const bool too_wide = length(longest) > 1.0f;
     if ((!too_wide && end - begin <= most_elements) || end - begin == 1) {
       partition.first.push_back(end);
       continue;
@@ -68,6 +71,32 @@ Partition partitionByCount(std::span<const SurfaceElement> elements, size_t coun
     (too_many ? fine : coarse) = extent;
   }
   return best;
+}
+
+std::array<std::vector<uint32_t>, 2> bisect(std::span<const SurfaceElement> elements) {
+  Box3 bounds;
+  for (const auto& element : elements) bounds.extendBy(element.position);
+  const float extent = std::max(1e-6f, maxComponent(bounds.size()));
+  int longest = 0;
+  float length = -1, at = 0;
+  for (int axis = 0; axis < 6; ++axis) {
+    const auto value = [&](const SurfaceElement& element) { return coordinate(element, axis, extent, 0.5f); };
+    const auto [low, high] = std::minmax_element(elements.begin(), elements.end(), [&](const auto& a, const auto& b) { return value(a) < value(b); });
+    if (value(*high) - value(*low) > length) longest = axis, length = value(*high) - value(*low), at = 0.5f * (value(*high) + value(*low));
+  }
+  std::array<std::vector<uint32_t>, 2> halves;
+  for (uint32_t i = 0; i < elements.size(); ++i) halves[coordinate(elements[i], longest, extent, 0.5f) < at ? 0 : 1].push_back(i);
+  const size_t least = elements.size() / 4;
+  if (std::min(halves[0].size(), halves[1].size()) < std::max<size_t>(1, least)) {  // nearly all on one side: as many on both
+    std::vector<uint32_t> order(elements.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+      return coordinate(elements[a], longest, extent, 0.5f) < coordinate(elements[b], longest, extent, 0.5f);
+    });
+    const auto middle = order.begin() + std::ptrdiff_t(order.size() / 2);
+    halves = {std::vector<uint32_t>(order.begin(), middle), std::vector<uint32_t>(middle, order.end())};
+  }
+  return halves;
 }
 
 }  // namespace lightwell::transport

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "precompute/core/math.h"
+#include "precompute/transport/prm/wavelets.h"
 
 namespace lightwell::transport {
 
@@ -16,6 +17,9 @@ namespace lightwell::transport {
 struct PrmEntries {
   std::vector<Vec3> position;    // internal units, on the surface
   std::vector<Vec3> normal;      // unit, on the side that is lit
+  // Half the sides of the rectangle that stands for the surface around the point: perpendicular to each other and to the normal. A light close by is
+  // averaged over it; from afar it is a point.
+  std::vector<Vec3> half_u, half_v;
   std::vector<float> weight;     // within the cluster; each cluster's sum is 1
   std::vector<uint32_t> cluster_first_entry;  // clusters + 1
   uint32_t clusterCount() const { return uint32_t(cluster_first_entry.size()) - 1; }
@@ -26,16 +30,18 @@ struct PrmPanes {
   std::vector<Rgb> irradiance_rgb;  // [cluster][texel], for unit irradiance at the cluster
 };
 
-/// Blocks of texels with their own basis maps and links to the clusters that matter to them: fine ones for light that is reflected once, within sight, and
-/// groups of them (clusters of their own, after the fine ones) for what is far away or has been reflected several times.
-///   irradiance(texel, channel) = Σ_k basis(texel, k) · Σ_l coefficient(l, k, channel) · irradiance(link_cluster[l], channel)
+/// Blocks of texels with their own basis maps, whose amounts come from the wavelets of direct light that matter to the block:
+///   irradiance(texel, channel) = Σ_k basis(texel, k) · scale(block, k) · Σ_l coefficient(l, k, channel) · wavelet(link_wavelet[l], channel) / unit(link_wavelet[l])
 struct PrmLocalBases {
+  WaveletTree tree;                         // over the clusters of the entries
+  std::vector<uint8_t> wavelet_unit;        // waveletCount(clusters); codes of waveletUnit()
   std::vector<uint32_t> block_first_texel;  // blocks + 1, into PrmResult::texel
   std::vector<uint8_t> block_rank;          // blocks
-  std::vector<float> basis;                 // per block: [texel][rank]; multiples of 1/127 in [−1, 1]
-  std::vector<uint32_t> block_first_link;   // blocks + 1, into link_cluster
-  std::vector<uint32_t> link_cluster;       // ascending within a block
-  std::vector<float> coefficient;           // per block: [link][rank][3]
+  std::vector<int8_t> basis;                // per block: [texel][rank]; in 1/127
+  std::vector<float> scale;                 // per block: [rank]
+  std::vector<uint32_t> block_first_link;   // blocks + 1, into link_wavelet
+  std::vector<uint32_t> link_wavelet;       // ascending within a block; one that needs more than a byte is linked several times
+  std::vector<int8_t> coefficient;          // per block: [link][rank][3]
 };
 
 struct PrmResult {

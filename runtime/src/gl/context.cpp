@@ -76,7 +76,7 @@ lw_result lw_gl::compilePrograms() {
   using gl::compileProgram;
   lw_result result = compileProgram(
       *this, "entry", {kAddress, kLight, kEntries},
-      {"u_position", "u_normal", "u_previous", "u_shadow_2d", "u_shadow_cube", "u_visibility"},
+      {"u_position", "u_normal", "u_previous", "u_shadow_2d", "u_shadow_cube", "u_visibility", "u_rectangle"},
       {"u_entries", "u_light_count", "u_accumulate", "u_shadow", "u_reversed", "u_light", "u_shadow_numbers", "u_shadow_matrix"}, entries);
   if (!result)
     result = compileProgram(*this, "cluster", {kAddress, kClusters}, {"u_range", "u_position", "u_entry", "u_pane_sum"}, {"u_clusters"}, clusters);
@@ -88,9 +88,6 @@ lw_result lw_gl::compilePrograms() {
     result = compileProgram(*this, "pane", {kAddress, kOwnValue, kPanes},
                      {"u_texel_map", "u_weight", "u_pane", "u_constant", "u_buried"},
                      {"u_weights", "u_selected", "u_texels", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count"}, panes);
-  if (!result)
-    result = compileProgram(*this, "coefficient", {kAddress, kCoefficients}, {"u_block", "u_link", "u_coefficient", "u_cluster", "u_scale"},
-                     {"u_blocks", "u_quads"}, coefficients);
   if (!result)
     result = compileProgram(*this, "reconstruction", {kAddress, kLocalBases, kOwnValue, kReconstruct},
                      {"lw_texel_map", "lw_basis", "lw_amount", "u_constant", "u_buried"},
@@ -152,7 +149,7 @@ void lw_gl_destroy(lw_gl* context) {
   api.DeleteVertexArrays(1, &context->vertex_array);
   api.DeleteSamplers(2, context->shadow_sampler);
   for (const gl::Program* program : {&context->entries, &context->clusters, &context->rank, &context->select, &context->panes,
-                                     &context->coefficients, &context->reconstruct, &context->radiosity_patches, &context->radiosity_nodes,
+                                     &context->reconstruct, &context->radiosity_patches, &context->radiosity_nodes,
                                      &context->radiosity_gather, &context->radiosity_shade, &context->inject_see, &context->inject_add, &context->probes})
     if (program->name) api.DeleteProgram(program->name);
   lightwell::runtime::destroyHandle(context);

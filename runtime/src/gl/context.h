@@ -23,7 +23,7 @@ struct lw_gl {
   lightwell::runtime::gl::Api api;
   uint32_t vertex_array = 0;           // empty: vertices come from gl_VertexID
   uint32_t shadow_sampler[2] = {};     // plain, reversed depth
-  Program entries, clusters, rank, select, panes, coefficients, reconstruct;
+  Program entries, clusters, rank, select, panes, reconstruct;
   Program radiosity_patches, radiosity_nodes, radiosity_gather, radiosity_shade, inject_see, inject_add, probes;
 
   lw_result compilePrograms();
@@ -52,9 +52,6 @@ enum { clusters, brightest, keep_energy };
 }
 namespace panes_uniform {
 enum { weights, selected, texels, emitters, constants, sky, max, fill, buried_count };
-}
-namespace coefficients_uniform {
-enum { blocks, quads };
 }
 namespace reconstruct_uniform {
 enum { quads, emitters, constants, sky, max, fill, buried_count };

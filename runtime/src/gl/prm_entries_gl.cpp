@@ -89,6 +89,8 @@ lw_result lw_gl_update_entries(lw_gl_prm* prm, const lw_gl_light* lights, uint32
   api.Uniform1i(context.entries.uniform[entries_uniform::entries], int32_t(prm->entries));
   bindUnit(api, 0, kTexture2dArray, prm->entry_position);
   bindUnit(api, 1, kTexture2dArray, prm->entry_normal);
+  bindUnit(api, 6, kTexture2dArray, prm->entry_rectangle);
+  prm->clusters_on_cpu = false;
   uint32_t done = 0;
   do {
     uint32_t batch = count ? 1 : 0;
@@ -148,6 +150,10 @@ lw_result lw_gl_upload_cluster_irradiance(lw_gl_prm* prm, const float* irradianc
   for (size_t c = 0; c < prm->clusters; ++c) {
     std::memcpy(&rgba[c * 4], &irradiance_rgb[c * 3], 3 * sizeof(float));
     rgba[c * 4 + 3] = contribution(&irradiance_rgb[c * 3], prm->pane_sum_rgb.empty() ? nullptr : &prm->pane_sum_rgb[c * 3]);
+  }
+  if (!prm->panes) {
+    std::memcpy(prm->cluster_rgb.data(), irradiance_rgb, prm->cluster_rgb.bytes());
+    prm->clusters_on_cpu = true;
   }
   const Api& api = prm->context->api;
   const StateGuard guard(api);

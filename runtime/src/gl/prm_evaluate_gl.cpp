@@ -67,18 +67,25 @@ void evaluatePanes(const lw_gl_prm& prm, const lw_prm_options& options) {
   drawInto(prm, prm.atlas);
 }
 
-void updateCoefficients(const lw_gl_prm& prm) {
-  const lw_gl& context = *prm.context;
-  const Api& api = context.api;
-  api.UseProgram(context.coefficients.name);
-  api.Uniform1i(context.coefficients.uniform[coefficients_uniform::blocks], int32_t(prm.blocks));
-  api.Uniform1i(context.coefficients.uniform[coefficients_uniform::quads], int32_t(prm.quads));
-  bindUnit(api, 0, kTexture2dArray, prm.block);
-  bindUnit(api, 1, kTexture2dArray, prm.link);
-  bindUnit(api, 2, kTexture2dArray, prm.coefficient);
-  bindUnit(api, 3, kTexture2d, prm.cluster.texture);
-  bindUnit(api, 4, kTexture2dArray, prm.scale);
-  drawInto(prm, prm.amount);
+/// Sums the blocks' amounts on the CPU, from the clusters' light as it was given or is read back, and uploads them.
+lw_result updateCoefficients(lw_gl_prm& prm) {
+  const Api& api = prm.context->api;
+  float* cluster_rgb = prm.cluster_rgb.data();
+  if (!prm.clusters_on_cpu) {
+    if (const lw_result result = readTarget(api, prm.host, prm.cluster, prm.cluster_rgba.data())) return result;
+    for (size_t c = 0; c < prm.clusters; ++c) std::memcpy(cluster_rgb + c * 3, &prm.cluster_rgba[c * 4], 3 * sizeof(float));
+    prm.clusters_on_cpu = true;
+  }
+  const size_t layer = size_t(prm.amount_width) * size_t(prm.amount_height) * 4;
+  const float* amount_rgb = amounts(*prm.transport, cluster_rgb, prm.scratch.data());
+  for (size_t block = 0; block < prm.blocks; ++block) {
+    const size_t rank = prm.transport->block_rank[block];
+    float* first = &prm.amount_rgba[block * prm.quads * 4];
+    for (size_t k = 0; k < rank; ++k, amount_rgb += 3) std::memcpy(first + k % 4 * layer + k / 4 * 4, amount_rgb, 3 * sizeof(float));
+  }
+  bindUnit(api, 0, kTexture2dArray, prm.amount);
+  api.TexSubImage3D(kTexture2dArray, 0, 0, 0, 0, prm.amount_width, prm.amount_height, 4, kTexelRgba32f.format, kTexelRgba32f.type, prm.amount_rgba.data());
+  return LW_OK;
 }
 
 void reconstruct(const lw_gl_prm& prm, const lw_prm_options& options) {
@@ -93,7 +100,7 @@ void reconstruct(const lw_gl_prm& prm, const lw_prm_options& options) {
   api.Uniform1i(program.uniform[reconstruct_uniform::buried_count], int32_t(prm.buried_count));
   bindUnit(api, 0, kTexture2d, prm.texel_map);
   bindUnit(api, 1, kTexture2dArray, prm.basis);
-  bindUnit(api, 2, kTexture2dArray, prm.amount.texture);
+  bindUnit(api, 2, kTexture2dArray, prm.amount);
   drawInto(prm, prm.atlas);
 }
 
@@ -120,7 +127,7 @@ lw_result lw_gl_evaluate(lw_gl_prm* prm, const lw_prm_options* given) {
   if (prm->panes) {
     evaluatePanes(*prm, options);
   } else {
-    updateCoefficients(*prm);
+    if (const lw_result result = updateCoefficients(*prm)) return result;
     reconstruct(*prm, options);
   }
   return LW_OK;
@@ -130,8 +137,7 @@ lw_result lw_gl_update_coefficients(lw_gl_prm* prm) {
   if (!prm) return LW_INVALID_ARGUMENT;
   if (prm->panes) return prm->host.fail(LW_INVALID_ARGUMENT, "panes have no coefficients");
   const StateGuard guard(prm->context->api);
-  updateCoefficients(*prm);
-  return LW_OK;
+  return updateCoefficients(*prm);
 }
 
 lw_result lw_gl_bind_local_bases(lw_gl_prm* prm, uint32_t program, uint32_t first_unit) {
@@ -151,7 +157,7 @@ lw_result lw_gl_bind_local_bases(lw_gl_prm* prm, uint32_t program, uint32_t firs
     Name texture;
   } textures[] = {{"lw_texel_map", kTexture2d, prm->texel_map},
                   {"lw_basis", kTexture2dArray, prm->basis},
-                  {"lw_amount", kTexture2dArray, prm->amount.texture}};
+                  {"lw_amount", kTexture2dArray, prm->amount}};
   uint32_t unit = first_unit;
   for (const auto& t : textures) {
     api.Uniform1i(api.GetUniformLocation(program, t.sampler), int32_t(unit));

@@ -16,7 +16,8 @@ struct lw_gl_prm {
   bool owns_atlas = false;
   float max_value = 0;               // of the atlas's format
 
-  Name entry_position = 0, entry_normal = 0;  // RGBA32F lists; the position's w is the weight
+  Name entry_position = 0, entry_normal = 0;  // RGBA32F lists; the position's w is the weight, the normal's the area of the rectangle
+  Name entry_rectangle = 0;                   // RGBA16F list; see kEntries
   Name cluster_range = 0, pane_sum = 0;       // RG32UI, RGBA32F lists
   Target entry[2];                            // irradiance; light after light they take turns
   uint32_t current_entry = 0;
@@ -37,8 +38,14 @@ struct lw_gl_prm {
   Target rank, selected;
   lightwell::runtime::Array<float> pane_sum_rgb;  // [clusters][3]; empty for local bases
 
-  Name block = 0, link = 0, coefficient = 0, scale = 0, basis = 0;  // lists; see kCoefficients and kLocalBases
-  Target amount;                              // 4 layers
+  // Local bases: amounts are summed on the CPU, from the transport that is kept for it.
+  lw_prm* transport = nullptr;
+  Name basis = 0;                             // list; see kLocalBases
+  Name amount = 0;                            // RGBA32F, 4 layers of amount_width × amount_height
+  int32_t amount_width = 0, amount_height = 0;
+  lightwell::runtime::Array<float> cluster_rgba, cluster_rgb;  // staging: as read back, or as given; [clusters][3]
+  lightwell::runtime::Array<float> scratch, amount_rgba;
+  bool clusters_on_cpu = false;               // cluster_rgb holds what the cluster texture does
 };
 
 namespace lightwell::runtime::gl {

@@ -58,8 +58,16 @@ class Uploader : ListUploader {
       rgba[e * 4 + 3] = prm_.entry_weight[e];
     }
     list(out_.entry_position, kTexelRgba32f, out_.entries, rgba.data());
-    for (size_t e = 0; e < out_.entries; ++e) std::memcpy(&rgba[e * 4], &prm_.entry_normal[e * 3], 3 * sizeof(float));
+    const bool rectangles = !prm_.entry_rectangle.empty();
+    for (size_t e = 0; e < out_.entries; ++e) {
+      std::memcpy(&rgba[e * 4], &prm_.entry_normal[e * 3], 3 * sizeof(float));
+      rgba[e * 4 + 3] = rectangles ? 4 * prm_.entry_rectangle[e * 3] * prm_.entry_rectangle[e * 3 + 1] : 0.0f;
+    }
     list(out_.entry_normal, kTexelRgba32f, out_.entries, rgba.data());
+    if (rectangles) {
+      for (size_t e = 0; e < out_.entries; ++e) std::memcpy(&rgba[e * 4], &prm_.entry_rectangle[e * 3], 3 * sizeof(float));
+      list(out_.entry_rectangle, kTexelRgba32f, out_.entries, rgba.data());
+    }
     Array<uint32_t> range;
     if (!allocate(range, uint64_t(out_.clusters) * 2) || !allocate(rgba, uint64_t(out_.clusters) * 4)) return;
     for (size_t c = 0; c < out_.clusters; ++c) {
@@ -81,27 +89,10 @@ class Uploader : ListUploader {
   }
 
   void uploadLocalBases() {
-    Array<uint32_t> block;
-    Array<float> scale;
-    const uint32_t max_rank = out_.quads * 4;
-    if (!allocate(block, uint64_t(out_.blocks) * 4) || !allocate(scale, uint64_t(out_.blocks) * max_rank * 4)) return;
-    std::memset(scale.data(), 0, scale.bytes());
-    uint64_t coefficients = 0, scales = 0, basis_texels = 0;
-    for (size_t b = 0; b < out_.blocks; ++b) {
-      const uint32_t rank = prm_.block_rank[b], links = prm_.block_first_link[b + 1] - prm_.block_first_link[b];
-      const uint32_t values[4] = {prm_.block_first_link[b], links, uint32_t(coefficients), rank};
-      std::memcpy(&block[b * 4], values, sizeof values);
-      for (uint32_t k = 0; k < rank; ++k, ++scales)
-        std::memcpy(&scale[(b * max_rank + k) * 4], &prm_.coefficient_scale[scales * 3], 3 * sizeof(float));
-      coefficients += uint64_t(links) * rank;
-      basis_texels += uint64_t(prm_.block_first_texel[b + 1] - prm_.block_first_texel[b]) * ((rank + 3) / 4);
-    }
-    list(out_.block, kTexelRgba32ui, out_.blocks, block.data());
-    list(out_.scale, kTexelRgba32f, uint64_t(out_.blocks) * max_rank, scale.data());
-    list(out_.link, kTexelR32ui, prm_.link_cluster.size(), prm_.link_cluster.data());
-    if (prm_.coefficient_i16.empty()) list(out_.coefficient, kTexelRgb8i, coefficients, prm_.coefficient_i8.data());
-    else list(out_.coefficient, kTexelRgb16i, coefficients, prm_.coefficient_i16.data());
-
+    out_.transport = retain(prm_);
+    uint64_t basis_texels = 0;
+    for (size_t b = 0; b < out_.blocks; ++b)
+      basis_texels += uint64_t(prm_.block_first_texel[b + 1] - prm_.block_first_texel[b]) * ((prm_.block_rank[b] + 3u) / 4u);
     // Ranks are padded to fours, each four one RGBA texel.
     Array<int8_t> basis;
     if (!allocate(basis, basis_texels * 4)) return;
@@ -200,9 +191,7 @@ class Uploader : ListUploader {
       target(kTexelR32ui, out_.clusters, out_.rank);
       target(kTexelRgba32f, uint64_t(out_.clusters) + 1, out_.selected);
     } else {
-      if (!result_)
-        result_ =
-            createLayeredTarget(api_, out_.host, kTexelRgba32f, uint64_t(out_.blocks) * out_.quads, out_.amount, out_.texture_bytes);
+      makeAmounts();
     }
     if (result_) return;
     const bool full = options_.atlas_format == LW_GL_ATLAS_RGBA32F;
@@ -218,6 +207,20 @@ class Uploader : ListUploader {
     if (out_.owns_atlas) clearTarget(api_, out_.atlas);
     clearTarget(api_, out_.entry[0]);
     clearTarget(api_, out_.cluster);
+  }
+
+  /// Amounts come from the CPU each frame; see updateCoefficients.
+  void makeAmounts() {
+    const uint64_t count = uint64_t(out_.blocks) * out_.quads;
+    out_.amount_width = int32_t(std::min<uint64_t>(count, 2048));
+    out_.amount_height = int32_t((count + 2047) / 2048);
+    const uint64_t padded = uint64_t(out_.amount_width) * uint64_t(out_.amount_height);
+    if (!allocate(out_.amount_rgba, padded * 16) || !allocate(out_.scratch, amountScratchFloats(prm_)) || !allocate(out_.cluster_rgb, uint64_t(out_.clusters) * 3) ||
+        !allocate(out_.cluster_rgba, uint64_t(out_.cluster.width) * uint64_t(out_.cluster.height) * 4))
+      return;
+    std::memset(out_.amount_rgba.data(), 0, out_.amount_rgba.bytes());
+    for (uint32_t b = 0; b < out_.blocks; ++b) out_.amount_rgba[size_t(b) * out_.quads * 4 + 3] = float(prm_.block_rank[b]);
+    out_.amount = createLayers(api_, kTexelRgba32f, out_.amount_width, out_.amount_height, 4, out_.amount_rgba.data(), out_.texture_bytes);
   }
 
   lw_gl_prm& out_;
@@ -256,14 +259,13 @@ void lw_gl_prm_destroy(lw_gl_prm* prm) {
   if (!prm) return;
   const gl::Api& api = prm->context->api;
   if (!prm->owns_atlas) prm->atlas.texture = 0;
-  for (gl::Target* target : {&prm->entry[0], &prm->entry[1], &prm->cluster, &prm->rank, &prm->selected,
-                             &prm->amount, &prm->atlas})
+  for (gl::Target* target : {&prm->entry[0], &prm->entry[1], &prm->cluster, &prm->rank, &prm->selected, &prm->atlas})
     gl::destroyTarget(api, *target);
   for (const gl::Name name :
-       {prm->entry_position, prm->entry_normal, prm->cluster_range, prm->pane_sum, prm->texel_map, prm->constant,
-        prm->pane, prm->buried, prm->block,
-        prm->link, prm->coefficient, prm->scale, prm->basis})
+       {prm->entry_position, prm->entry_normal, prm->entry_rectangle, prm->cluster_range, prm->pane_sum, prm->texel_map, prm->constant, prm->pane,
+        prm->buried, prm->basis, prm->amount})
     if (name) api.DeleteTextures(1, &name);
+  lw_prm_release(prm->transport);
   destroyHandle(prm);
 }
 

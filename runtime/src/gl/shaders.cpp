@@ -112,7 +112,8 @@ vec3 lwLocalBasesIrradiance(vec2 lightmap_uv) {
 
 const char kEntries[] = R"(
 uniform sampler2DArray u_position;
-uniform sampler2DArray u_normal;
+uniform sampler2DArray u_normal;      // w: area of the entry's rectangle; 0: a point
+uniform sampler2DArray u_rectangle;   // half its sides, its turn in half turns
 uniform sampler2D u_previous;
 uniform sampler2DShadow u_shadow_2d;
 uniform samplerCubeShadow u_shadow_cube;
@@ -144,13 +145,37 @@ float shadowCube(vec3 p) {
   return texture(u_shadow_cube, vec4(offset, depth));
 }
 
+float solidAngle(vec3 a, vec3 b, vec3 c) {
+  float la = length(a), lb = length(b), lc = length(c);
+  return 2.0 * atan(abs(dot(a, cross(b, c))), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+}
+
+// rectangleGain() of the CPU.
+float rectangleGain(int i, vec3 to_light, vec3 n, float area) {
+  float square = dot(to_light, to_light), height = dot(to_light, n);
+  if (!(square < 300.0 * area) || !(height > 0.0)) return 1.0;
+  vec3 rectangle = texelFetch(u_rectangle, lwAddress(i), 0).xyz;
+  float s = n.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (s + n.z), b = n.x * n.y * a, turn = rectangle.z * 3.14159265;
+  vec3 tangent = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), bitangent = vec3(b, s + n.y * n.y * a, -n.y);
+  vec3 u = (tangent * cos(turn) + bitangent * sin(turn)) * rectangle.x, v = (bitangent * cos(turn) - tangent * sin(turn)) * rectangle.y;
+  vec3 c0 = -u - v - to_light, c2 = u + v - to_light;
+  float angle = solidAngle(c0, u - v - to_light, c2) + solidAngle(c0, c2, v - u - to_light);
+  return angle * square * sqrt(square) / (area * height);
+}
+
 void main() {
   int i = lwIndex();
   if (i >= u_entries) discard;
-  vec3 position = texelFetch(u_position, lwAddress(i), 0).xyz, normal = texelFetch(u_normal, lwAddress(i), 0).xyz;
+  vec3 position = texelFetch(u_position, lwAddress(i), 0).xyz;
+  vec4 normal_area = texelFetch(u_normal, lwAddress(i), 0);
+  vec3 normal = normal_area.xyz;
   vec3 sum = vec3(0.0);
-  for (int l = 0; l < u_light_count; ++l)
-    sum += lwLightIrradiance(LwLight(u_light[l * 4], u_light[l * 4 + 1], u_light[l * 4 + 2], u_light[l * 4 + 3]), position, normal);
+  for (int l = 0; l < u_light_count; ++l) {
+    vec3 irradiance = lwLightIrradiance(LwLight(u_light[l * 4], u_light[l * 4 + 1], u_light[l * 4 + 2], u_light[l * 4 + 3]), position, normal);
+    if (irradiance == vec3(0.0)) continue;
+    if (u_light[l * 4 + 1].w < 2.5) irradiance *= rectangleGain(i, u_light[l * 4].xyz - position, normal, normal_area.w);
+    sum += min(irradiance, vec3(1e30));
+  }
   vec3 moved = position + normal * u_shadow_numbers.w;
   if (u_shadow == 1) sum *= shadow2d(moved);
   else if (u_shadow == 2) sum *= shadowCube(moved);
@@ -297,44 +322,6 @@ void main() {
   if (u_selected != 0) sum *= texelFetch(u_weight, lwPixel(u_weights), 0).rgb;
   sum = max(sum, vec3(0.0)) + lwConstant(texel.y * textureSize(u_texel_map, 0).x + texel.x, place);
   o_irradiance = vec4(min(sum, vec3(u_max)), 1.0);
-}
-)";
-
-// Four ranks of a block at once: they share the links and the clusters' light.
-const char kCoefficients[] = R"(
-uniform usampler2DArray u_block;        // first link, links, address of the first coefficient, rank
-uniform usampler2DArray u_link;
-uniform isampler2DArray u_coefficient;
-uniform sampler2D u_cluster;            // direct irradiance
-uniform sampler2DArray u_scale;         // [block][quad][4]
-uniform int u_blocks, u_quads;
-layout(location = 0) out vec4 o_amount0;
-layout(location = 1) out vec4 o_amount1;
-layout(location = 2) out vec4 o_amount2;
-layout(location = 3) out vec4 o_amount3;
-void main() {
-  int i = lwIndex();
-  if (i >= u_blocks * u_quads) discard;
-  int quad = i % u_quads;
-  uvec4 block = texelFetch(u_block, lwAddress(i / u_quads), 0);
-  int rank = int(block.w), first_rank = quad * 4, ranks = min(rank - first_rank, 4);
-  vec3 amount0 = vec3(0.0), amount1 = vec3(0.0), amount2 = vec3(0.0), amount3 = vec3(0.0);
-  if (ranks > 0) {
-    for (int l = 0, links = int(block.y); l < links; ++l) {
-      int cluster = int(texelFetch(u_link, lwAddress(int(block.x) + l), 0).r);
-      vec3 irradiance = texelFetch(u_cluster, lwPixel(cluster), 0).rgb;
-      if (irradiance.r + irradiance.g + irradiance.b == 0.0) continue;
-      int at = int(block.z) + l * rank + first_rank;
-      amount0 += irradiance * vec3(texelFetch(u_coefficient, lwAddress(at), 0).rgb);
-      if (ranks > 1) amount1 += irradiance * vec3(texelFetch(u_coefficient, lwAddress(at + 1), 0).rgb);
-      if (ranks > 2) amount2 += irradiance * vec3(texelFetch(u_coefficient, lwAddress(at + 2), 0).rgb);
-      if (ranks > 3) amount3 += irradiance * vec3(texelFetch(u_coefficient, lwAddress(at + 3), 0).rgb);
-    }
-  }
-  o_amount0 = vec4(amount0 * texelFetch(u_scale, lwAddress(i * 4), 0).rgb, float(rank));
-  o_amount1 = vec4(amount1 * texelFetch(u_scale, lwAddress(i * 4 + 1), 0).rgb, 0.0);
-  o_amount2 = vec4(amount2 * texelFetch(u_scale, lwAddress(i * 4 + 2), 0).rgb, 0.0);
-  o_amount3 = vec4(amount3 * texelFetch(u_scale, lwAddress(i * 4 + 3), 0).rgb, 0.0);
 }
 )";
 

@@ -13,7 +13,7 @@ extern const char kLight[], kAtlas[], kLocalBases[], kEnvironment[], kProbeLight
 extern const char kAlphaTest[];   // lwAlpha, lwLetsThrough
 extern const char kOwnValue[];    // lwEntry, lwEmitted: what a texel shows, and what buried texels have themselves
 // Fragment shaders.
-extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kCoefficients[], kReconstruct[];
+extern const char kEntries[], kClusters[], kRank[], kSelect[], kPanes[], kReconstruct[];
 extern const char kRadiosityPatches[], kRadiosityNodes[], kRadiosityGather[], kRadiosityShade[], kInjectSee[], kInjectAdd[], kProbes[];
 extern const char kVplDepth[], kVplIrradiance[], kVplLight[], kVplShow[];
 extern const char kHash[], kVplAlphaOn[];

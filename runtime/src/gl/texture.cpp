@@ -92,6 +92,16 @@ lw_result createTarget(const Api& api, const Host& host, const TexelFormat& form
   return attachTarget(api, host, target);
 }
 
+Name createLayers(const Api& api, const TexelFormat& format, int32_t width, int32_t height, int32_t layers, const void* data, uint64_t& texture_bytes) {
+  Name name = 0;
+  api.GenTextures(1, &name);
+  api.BindTexture(kTexture2dArray, name);
+  setParameters(api, kTexture2dArray, kNearest);
+  api.TexImage3D(kTexture2dArray, 0, int32_t(format.internal), width, height, layers, 0, format.format, format.type, data);
+  texture_bytes += uint64_t(width) * uint64_t(height) * uint64_t(layers) * format.bytes;
+  return name;
+}
+
 lw_result createLayeredTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target,
                               uint64_t& texture_bytes) {
   const Extent extent = extentOf(count);
