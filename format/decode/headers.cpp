@@ -95,7 +95,10 @@ bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header) {
   header = {};
   WireReader reader(message, bytes);
   while (reader.next()) switch (reader.field()) {
-      case 1: readEnum(reader, header.layout, PrmLayout::local_bases); break;
+      case 1:
+        readEnum(reader, header.layout, PrmLayout::local_bases);
+        if (header.layout != PrmLayout::panes && header.layout != PrmLayout::local_bases) header.layout = PrmLayout::unknown;  // 2 is reserved
+        break;
       case 2: reader.read(header.entries); break;
       case 3: reader.read(header.clusters); break;
       case 4: reader.read(header.texels); break;

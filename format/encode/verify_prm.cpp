@@ -93,6 +93,8 @@ void verifyRectangles(VerifyContext& context, uint64_t entries) {
 
 void verifyLocalBases(VerifyContext& context, const v1::PrmHeader& prm) {
   if (prm.clusters() == 0) return context.report(IssueId::header_value, kSection, "header", "there are no clusters");
+  if (prm.blocks() == 0 || prm.blocks() > prm.texels() || prm.max_rank() == 0 || prm.max_rank() > 255)
+    return context.report(IssueId::header_value, kSection, "header", "blocks is not 1 to texels, or max_rank not 1 to 255");
   verifyTree(context, prm.clusters());
   verifyRectangles(context, prm.entries());
   const uint64_t blocks = prm.blocks();

@@ -179,7 +179,8 @@ void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, cons
   header.set_texels(uint32_t(prm.texel.size()));
   if (bases) {
     header.set_blocks(uint32_t(prm.bases.block_rank.size()));
-    header.set_max_rank(*std::max_element(prm.bases.block_rank.begin(), prm.bases.block_rank.end()));
+    // Where nothing is reflected no block has a rank.
+    header.set_max_rank(std::max<uint32_t>(1, *std::max_element(prm.bases.block_rank.begin(), prm.bases.block_rank.end())));
   }
   header.set_has_emitter(emitters);
   const bool has_sky = !sky.direct_rgb.empty();

@@ -23,7 +23,7 @@ void addSceneSection(format::Writer& writer, const scene::Scene& scene);
 /// `scene` as buildAtlas left it: one vertex per atlas.uv.
 void addGeometrySection(format::Writer& writer, const scene::Scene& scene, const atlas::Atlas& atlas);
 void addAtlasSection(format::Writer& writer, const atlas::Atlas& atlas);
-/// `metres_per_unit` of the scene. Every number is quantised here (quantised_bases.h).
+/// `metres_per_unit` of the scene. The fit has quantised the transport.
 void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, const SkyPanes& sky, double metres_per_unit);
 /// `placement` is how the map was read: --exact answers need it again.
 void addEnvironmentSection(format::Writer& writer, const transport::Environment& environment, const plan::EnvironmentPlacement& placement);

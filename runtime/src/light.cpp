@@ -39,8 +39,8 @@ const char* packLight(const lw_light& light, PackedLight& packed) {
 
 namespace {
 
-/// Beyond this many areas of the rectangle in the square of the distance, its middle stands for all of it within a part in a thousand.
-constexpr float kFarAreas = 300.0f;
+/// Beyond so many times the longer half side, the middle of a rectangle stands for all of it within two parts in a thousand.
+constexpr float kFar = 35.0f;
 
 float dot(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -54,8 +54,9 @@ float solidAngle(const float* a, const float* b, const float* c) {
 }  // namespace
 
 float rectangleGain(const float* to_light_m, const float* normal, const float* rectangle) {
-  const float area = 4.0f * rectangle[0] * rectangle[1], square = dot(to_light_m, to_light_m), height = dot(to_light_m, normal);
-  if (!(square < kFarAreas * area) || !(height > 0)) return 1.0f;
+  const float area = 4.0f * rectangle[0] * rectangle[1], reach = kFar * std::max(rectangle[0], rectangle[1]);
+  const float square = dot(to_light_m, to_light_m), height = dot(to_light_m, normal);
+  if (!(area > 0) || !(square < reach * reach) || !(height > 0)) return 1.0f;
   // A frame about the normal (Duff et al.: "Building an Orthonormal Basis, Revisited").
   const float sign = std::copysign(1.0f, normal[2]), a = -1.0f / (sign + normal[2]), b = normal[0] * normal[1] * a;
   const float tangent[3] = {1.0f + sign * normal[0] * normal[0] * a, sign * b, -sign * normal[0]};

@@ -192,6 +192,9 @@ class Loader {
     decode("tree_first_leaves", ElementType::u32, clusters - 1, first_leaves);
     decode("tree_first_share", ElementType::u16, clusters - 1, first_share);
     decode("wavelet_unit", ElementType::u8, WaveletTree::wavelets(clusters), unit);
+    bool shares_good = true;
+    for (const uint16_t share : first_share) shares_good &= share != 0;
+    require(shares_good, "tree_first_share", "the share of a first child is zero");
     if (result_) return;
     bool out_of_memory = false;
     if (const char* reason = prm_.tree.load(container_.host, clusters, first_leaves, first_share, unit, out_of_memory)) {

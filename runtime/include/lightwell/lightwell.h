@@ -274,7 +274,8 @@ typedef struct lw_shadow_ray {
  * of one light, in the order of the entry points. */
 typedef void (*lw_visibility_fn)(void *user, const lw_shadow_ray *rays, uint32_t count, float *visibility);
 
-/* Irradiance of the lights at the entry points, about their normals; light from behind the surface is not received.
+/* Irradiance of the lights at the entry points, about their normals; light from behind the surface is not received. With local bases a point or spot light
+ * close to an entry is averaged over the rectangle of surface that the entry stands for, by its solid angle.
  * LW_INVALID_ARGUMENT names the light whose values are out of range.
  *
  * lights: `light_count` of them (0: all results are zero); positions relative to the container's origin.
@@ -307,7 +308,7 @@ LW_API size_t lw_prm_scratch_bytes(const lw_prm *prm);
 
 /* Indirect irradiance of every texel: sums the transport of the clusters. Values are finite and ≥ 0.
  *
- * A cluster contributes luminance(irradiance * sum of its pane over the texels); equal ones are ranked by index.
+ * Panes: a cluster contributes luminance(irradiance * sum of its pane over the texels); equal ones are ranked by index.
  *
  * cluster_irradiance_rgb: [clusters][3], finite and ≥ 0, else LW_INVALID_ARGUMENT.
  * options: NULL for LW_PRM_OPTIONS_INIT.

@@ -1,4 +1,5 @@
-/* Lightwell on OpenGL: the transport of an lw_prm evaluated in fragment shaders, every frame, without a read-back.
+/* Lightwell on OpenGL: the transport of an lw_prm evaluated every frame: panes in fragment shaders without a read-back;
+ * local bases with a small sum on the CPU in between, from the light on their clusters.
  *
  *   lw_gl *gl;
  *   lw_gl_config config = LW_GL_CONFIG_INIT;
@@ -75,7 +76,7 @@ typedef struct lw_gl_prm_options {
 } lw_gl_prm_options;
 #define LW_GL_PRM_OPTIONS_INIT {sizeof(lw_gl_prm_options), LW_GL_ATLAS_RGBA16F, 0}
 
-/* Uploads a transport. `prm` is not used afterwards. Waits for the GPU only as texture uploads do.
+/* Uploads a transport. The caller may release `prm` afterwards: what is still needed of it (local bases) is kept. Waits for the GPU only as texture uploads do.
  * Fails with LW_LIMIT_EXCEEDED (texture sizes), LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT.
  *
  * options: NULL for LW_GL_PRM_OPTIONS_INIT. */
@@ -128,6 +129,7 @@ typedef struct lw_gl_light {
 
 /* Irradiance at the entry points, the sum of all `count` lights, and its averages over the clusters; replaces what was there. One draw
  * per shadowed light, one per 16 others, one for the averages.
+ * Point and spot lights close to an entry of local bases are averaged over its rectangle, as lw_prm_entry_irradiance does.
  * LW_INVALID_ARGUMENT names the light whose values are out of range; nothing is drawn then. */
 LW_API lw_result lw_gl_update_entries(lw_gl_prm *gl_prm, const lw_gl_light *lights, uint32_t count);
 
@@ -142,14 +144,15 @@ LW_API lw_result lw_gl_upload_cluster_irradiance(lw_gl_prm *gl_prm, const float 
 
 /* ---- Indirect light of the atlas -------------------------------------------------------------------------------------------------- */
 
-/* lw_prm_evaluate on the GPU, from the cluster averages of the last update, into the atlas texture. The brightest clusters are ranked on
- * the GPU.
+/* lw_prm_evaluate on the GPU, from the cluster averages of the last update, into the atlas texture. The brightest panes are ranked on
+ * the GPU. Local bases: see lw_gl_update_coefficients.
  *
  * options: as lw_prm_evaluate's; NULL for LW_PRM_OPTIONS_INIT. */
 LW_API lw_result lw_gl_evaluate(lw_gl_prm *gl_prm, const lw_prm_options *options);
 
-/* Local bases: only the coefficients of the blocks, for a game that reconstructs in
- * its own shader (LW_GLSL_LOCAL_BASES, filled as for display) and needs no atlas texture.
+/* Local bases: only the amounts of the blocks' basis maps, for a game that reconstructs in
+ * its own shader (LW_GLSL_LOCAL_BASES, filled as for display) and needs no atlas texture. They are summed on the CPU: after lw_gl_update_entries the cluster
+ * averages are read back once, which waits for the GPU; after lw_gl_upload_cluster_irradiance nothing is. Fails with LW_GL_FAILED when reading back does.
  * LW_INVALID_ARGUMENT for panes. Emitters are not part of it. */
 LW_API lw_result lw_gl_update_coefficients(lw_gl_prm *gl_prm);
 

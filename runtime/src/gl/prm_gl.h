@@ -16,8 +16,8 @@ struct lw_gl_prm {
   bool owns_atlas = false;
   float max_value = 0;               // of the atlas's format
 
-  Name entry_position = 0, entry_normal = 0;  // RGBA32F lists; the position's w is the weight, the normal's the area of the rectangle
-  Name entry_rectangle = 0;                   // RGBA16F list; see kEntries
+  Name entry_position = 0, entry_normal = 0;  // RGBA32F lists; the position's w is the weight, the normal's the longer half side of the rectangle
+  Name entry_rectangle = 0;                   // RGBA32F list; see kEntries
   Name cluster_range = 0, pane_sum = 0;       // RG32UI, RGBA32F lists
   Target entry[2];                            // irradiance; light after light they take turns
   uint32_t current_entry = 0;

@@ -1,4 +1,5 @@
 // Uploading a precomputed radiance map: from the container's arrays to textures.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -61,7 +62,8 @@ class Uploader : ListUploader {
     const bool rectangles = !prm_.entry_rectangle.empty();
     for (size_t e = 0; e < out_.entries; ++e) {
       std::memcpy(&rgba[e * 4], &prm_.entry_normal[e * 3], 3 * sizeof(float));
-      rgba[e * 4 + 3] = rectangles ? 4 * prm_.entry_rectangle[e * 3] * prm_.entry_rectangle[e * 3 + 1] : 0.0f;
+      const float* half = rectangles ? &prm_.entry_rectangle[e * 3] : nullptr;
+      rgba[e * 4 + 3] = half && half[0] > 0 && half[1] > 0 ? std::max(half[0], half[1]) : 0.0f;
     }
     list(out_.entry_normal, kTexelRgba32f, out_.entries, rgba.data());
     if (rectangles) {
@@ -213,7 +215,7 @@ class Uploader : ListUploader {
   void makeAmounts() {
     const uint64_t count = uint64_t(out_.blocks) * out_.quads;
     out_.amount_width = int32_t(std::min<uint64_t>(count, 2048));
-    out_.amount_height = int32_t((count + 2047) / 2048);
+    out_.amount_height = int32_t((count + 2047) / 2048);  // at most 2048: kMaxTargetElements
     const uint64_t padded = uint64_t(out_.amount_width) * uint64_t(out_.amount_height);
     if (!allocate(out_.amount_rgba, padded * 16) || !allocate(out_.scratch, amountScratchFloats(prm_)) || !allocate(out_.cluster_rgb, uint64_t(out_.clusters) * 3) ||
         !allocate(out_.cluster_rgba, uint64_t(out_.cluster.width) * uint64_t(out_.cluster.height) * 4))

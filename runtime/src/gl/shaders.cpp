@@ -112,7 +112,7 @@ vec3 lwLocalBasesIrradiance(vec2 lightmap_uv) {
 
 const char kEntries[] = R"(
 uniform sampler2DArray u_position;
-uniform sampler2DArray u_normal;      // w: area of the entry's rectangle; 0: a point
+uniform sampler2DArray u_normal;      // w: the longer half side of the entry's rectangle; 0: a point
 uniform sampler2DArray u_rectangle;   // half its sides, its turn in half turns
 uniform sampler2D u_previous;
 uniform sampler2DShadow u_shadow_2d;
@@ -151,10 +151,11 @@ float solidAngle(vec3 a, vec3 b, vec3 c) {
 }
 
 // rectangleGain() of the CPU.
-float rectangleGain(int i, vec3 to_light, vec3 n, float area) {
+float rectangleGain(int i, vec3 to_light, vec3 n, float half_side) {
   float square = dot(to_light, to_light), height = dot(to_light, n);
-  if (!(square < 300.0 * area) || !(height > 0.0)) return 1.0;
+  if (!(square < 1225.0 * half_side * half_side) || !(height > 0.0)) return 1.0;
   vec3 rectangle = texelFetch(u_rectangle, lwAddress(i), 0).xyz;
+  float area = 4.0 * rectangle.x * rectangle.y;
   float s = n.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (s + n.z), b = n.x * n.y * a, turn = rectangle.z * 3.14159265;
   vec3 tangent = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), bitangent = vec3(b, s + n.y * n.y * a, -n.y);
   vec3 u = (tangent * cos(turn) + bitangent * sin(turn)) * rectangle.x, v = (bitangent * cos(turn) - tangent * sin(turn)) * rectangle.y;
@@ -167,13 +168,13 @@ void main() {
   int i = lwIndex();
   if (i >= u_entries) discard;
   vec3 position = texelFetch(u_position, lwAddress(i), 0).xyz;
-  vec4 normal_area = texelFetch(u_normal, lwAddress(i), 0);
-  vec3 normal = normal_area.xyz;
+  vec4 normal_side = texelFetch(u_normal, lwAddress(i), 0);
+  vec3 normal = normal_side.xyz;
   vec3 sum = vec3(0.0);
   for (int l = 0; l < u_light_count; ++l) {
     vec3 irradiance = lwLightIrradiance(LwLight(u_light[l * 4], u_light[l * 4 + 1], u_light[l * 4 + 2], u_light[l * 4 + 3]), position, normal);
     if (irradiance == vec3(0.0)) continue;
-    if (u_light[l * 4 + 1].w < 2.5) irradiance *= rectangleGain(i, u_light[l * 4].xyz - position, normal, normal_area.w);
+    if (u_light[l * 4 + 1].w < 2.5) irradiance *= rectangleGain(i, u_light[l * 4].xyz - position, normal, normal_side.w);
     sum += min(irradiance, vec3(1e30));
   }
   vec3 moved = position + normal * u_shadow_numbers.w;

@@ -32,6 +32,9 @@ struct Target {
 /// The most elements that a Target can hold.
 inline constexpr uint64_t kMaxTargetElements = uint64_t(2048) * 2048;
 
+/// GL_TEXTURE_2D_ARRAY of `layers` pictures of this size, nearest; data may be null. Errors: api.GetError().
+Name createLayers(const Api& api, const TexelFormat& format, int32_t width, int32_t height, int32_t layers, const void* data, uint64_t& texture_bytes);
+
 /// A picture; GL_TEXTURE_2D, clamped to the edge, bound to the active unit afterwards.
 Name createPicture(const Api& api, const TexelFormat& format, int32_t width, int32_t height, Enum filter, const void* data,
                    uint64_t& texture_bytes);
@@ -39,9 +42,6 @@ Name createPicture(const Api& api, const TexelFormat& format, int32_t width, int
 lw_result createTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target,
                        uint64_t& texture_bytes);
 /// Four layers, drawn into at once as colour attachments 0 to 3.
-/// GL_TEXTURE_2D_ARRAY of `layers` pictures of this size, nearest; data may be null. Errors: api.GetError().
-Name createLayers(const Api& api, const TexelFormat& format, int32_t width, int32_t height, int32_t layers, const void* data, uint64_t& texture_bytes);
-
 lw_result createLayeredTarget(const Api& api, const Host& host, const TexelFormat& format, uint64_t count, Target& target,
                               uint64_t& texture_bytes);
 /// A framebuffer around a texture that exists.
