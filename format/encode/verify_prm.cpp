@@ -117,7 +117,7 @@ void verifyLocalBases(VerifyContext& context, const v1::PrmHeader& prm) {
   for (uint64_t b = 0; b < blocks; ++b) {
     const uint64_t r = (*rank)[b];
     basis_size += ((*first_texel)[b + 1] - (*first_texel)[b]) * r;
-    scale_size += r;
+    scale_size += r * 3;
     coefficient_size += ((*first_link)[b + 1] - (*first_link)[b]) * r * 3;
     for (uint32_t l = (*first_link)[b] + 1; l < (*first_link)[b + 1] && ascending; ++l)
       if ((*link_wavelet)[l] < (*link_wavelet)[l - 1]) {

@@ -16,7 +16,7 @@ constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048
 /// The clusters: all stages but the emitters' know the surfaces by them.
 Parameters entryParameters(const Key& scene, const transport::PrmSettings& s) {
   const transport::EntryOptions& e = s.entries;
-  return Parameters(scene).add(e.clusters, e.groups, e.points_per_cluster, e.points_per_group, e.split_by_visibility, s.seed);
+  return Parameters(scene).add(e.clusters, e.groups, e.points_per_cluster, e.points_per_group, e.denser_where_near, e.split_by_visibility, s.seed);
 }
 
 /// What was chosen by hand holds for every quality and refinement. A pane is that of a group.
@@ -28,7 +28,7 @@ void applyChoices(const plan::Settings& settings, transport::PrmSettings& prm) {
   uint32_t& clusters = panes ? entries.groups : entries.clusters;
   if (settings.prm_clusters) clusters = settings.prm_clusters;
   if (settings.prm_entries) (panes ? entries.points_per_group : entries.points_per_cluster) = std::max(1u, settings.prm_entries / clusters);
-  entries.split_by_visibility = !panes;  // as many panes as asked for
+  entries.split_by_visibility = entries.denser_where_near = !panes;  // as many panes as asked for
   if (panes) entries.clusters = std::max(entries.clusters, entries.groups);  // clusters lie inside groups
   else entries.groups = std::min(entries.groups, entries.clusters);
 }

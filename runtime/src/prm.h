@@ -34,8 +34,8 @@ struct lw_prm {
   Array<int8_t> basis;                  // per block [texel][rank], value / 127
   Array<uint32_t> block_first_link;     // [blocks + 1]
   Array<uint32_t> link_wavelet;         // [links]
-  Array<float> coefficient_scale;       // per block [rank]
-  Array<int8_t> coefficient;            // per block [link][rank][3]
+  Array<float> coefficient_scale;       // per block [rank][3]
+  Array<int8_t> coefficient;            // per block [link][rank][3]; some zeros after the last
   lightwell::runtime::WaveletTree tree; // over the clusters
 
   Array<uint32_t> emitter_direct_rgb9e5, emitter_indirect_rgb9e5;  // [texels], or empty

@@ -151,7 +151,7 @@ class Loader {
     }
     decode("basis", ElementType::i8, basis_size, prm_.basis);
     decode("link_wavelet", ElementType::u32, links, prm_.link_wavelet);
-    decode("coefficient_scale", ElementType::f32, rank_sum, prm_.coefficient_scale);
+    decode("coefficient_scale", ElementType::f32, rank_sum * 3, prm_.coefficient_scale);
     if (result_) return;
     for (uint32_t b = 0; b < h.blocks; ++b)
       for (uint32_t l = prm_.block_first_link[b]; l < prm_.block_first_link[b + 1]; ++l)
@@ -167,7 +167,9 @@ class Loader {
   void loadCoefficients(uint64_t size) {
     Array<int8_t> stored;
     decode("coefficient", ElementType::i8, size, stored);
-    if (!allocate(prm_.coefficient, size)) return;
+    constexpr size_t kReadOn = 24;  // vectors of amounts() end up to so many bytes later
+    if (!allocate(prm_.coefficient, size + kReadOn)) return;
+    std::memset(prm_.coefficient.data() + size, 0, kReadOn);
     const int8_t* from = stored.data();
     int8_t* to = prm_.coefficient.data();
     for (uint32_t b = 0; b < prm_.header.blocks; ++b) {

@@ -73,7 +73,7 @@ transport::PrmResult randomPrm() {
     for (uint32_t i = 0; i < texels * kRank; ++i) b.basis.push_back(int8_t(random() * 127.9f));
     b.block_rank.push_back(kRank);
     b.block_first_texel.push_back(uint32_t(prm.texel.size()));
-    for (uint32_t k = 0; k < kRank; ++k) b.scale.push_back(0.01f + random());
+    for (uint32_t i = 0; i < kRank * 3; ++i) b.scale.push_back(0.01f + random());
     for (uint32_t w = 0; w < transport::waveletCount(kClusters); ++w)
       for (float chance = 0.7f; random() < chance; chance = 0.1f) {
         const bool even = w < transport::differenceIndex(kClusters, 0);

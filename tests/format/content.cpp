@@ -127,7 +127,7 @@ Content localBasesContent() {
   c.basis = {127, -3, 90, 40, 127};
   c.block_first_link = {0, 3, 4};
   c.link_wavelet = {1, 1, 5, 6};
-  c.coefficient_scale = {0.5f, 0.25f, 1};
+  c.coefficient_scale = {0.5f, 0.25f, 1, 2, 0.125f, 4, 1, 0, 0.75f};
   c.coefficient = {127, 1, 2, 3, 4, -5, 6, 7, 8, 9, -128, 11, 12, 13, 14, 15, 16, 17, -1, 0, 1};
   return c;
 }

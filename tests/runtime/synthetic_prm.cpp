@@ -177,7 +177,8 @@ void addLocalBases(Random& random, SyntheticPrm& prm, format::Writer& writer) {
     const uint32_t links = uint32_t(link.size()) - first_link.back();
     coefficient.resize(coefficient.size() + size_t(links) * r * 3);
     for (uint32_t k = 0; k < r; ++k) {
-      scale.push_back(float((0.2 + random.uniform()) / 127));
+      for (int channel = 0; channel < 3; ++channel) scale.push_back(float((0.2 + random.uniform()) / 127));
+      const float* scale_rgb = &scale[scale.size() - 3];
       for (uint32_t l = 0; l < links; ++l) {
         const uint32_t w = link[first_link.back() + l];
         // What is even is mostly positive, so that not all is clamped.
@@ -190,11 +191,11 @@ void addLocalBases(Random& random, SyntheticPrm& prm, format::Writer& writer) {
         stored[links] = int8_t(uint8_t(rgb[0] - rgb[1]));
         stored[2 * links] = int8_t(uint8_t(rgb[2] - rgb[1]));
         for (uint32_t c = 0; c < clusters; ++c) {
-          const double each = double(scale.back()) * wavelet[w][c] / std::exp2((int(unit[w]) - 160) / 8.0);
+          const double each = wavelet[w][c] / std::exp2((int(unit[w]) - 160) / 8.0);
           for (uint32_t t = first_texel[b]; each != 0 && t < first_texel[b + 1]; ++t)
             for (size_t channel = 0; channel < 3; ++channel)
               prm.transport[(size_t(c) * texels + t) * 3 + channel] +=
-                  basis[first_basis + size_t(t - first_texel[b]) * r + k] / 127.0 * rgb[channel] * each;
+                  basis[first_basis + size_t(t - first_texel[b]) * r + k] / 127.0 * rgb[channel] * double(scale_rgb[channel]) * each;
         }
       }
     }

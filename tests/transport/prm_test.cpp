@@ -77,7 +77,7 @@ TEST(PrmFurnace, UnitLightEverywhereInAClosedRoomGivesTheGeometricSeries) {
         mean += double(value.y) * (1 - albedo) / albedo / double(irradiance_rgb.size());
       }
       EXPECT_NEAR(mean, 1.0, layout == PrmLayoutKind::panes ? 1e-3 : 5e-3) << "albedo " << albedo;
-      EXPECT_LT(worst, layout == PrmLayoutKind::panes ? 2e-3 : 0.08) << "albedo " << albedo;
+      EXPECT_LT(worst, layout == PrmLayoutKind::panes ? 2e-3 : 0.12) << "albedo " << albedo;
     }
   }
 }

@@ -124,6 +124,9 @@ struct PrmBaker::Impl {
     solved.training.total = readMatrix(reader, clusters.cluster_count, lights);
     solved.training.weight = reader.array<float>();
     solved.training.wavelet_unit = reader.array<uint8_t>();
+    const auto gains = reader.array<float>();
+    if (gains.size() != 4) throw std::runtime_error("a task result is damaged");
+    solved.training.mean_unit = gains[0], solved.training.channel_gain = Rgb(gains[1], gains[2], gains[3]);
     solved.emitters.cluster_rgb = reader.array<Rgb>();
     solved.group_emitted_rgb = reader.array<Rgb>();
     return solved;
@@ -216,6 +219,8 @@ Bytes PrmBaker::solve(std::span<const ByteView> one_bounce, std::span<const Byte
   writeMatrix(writer, lights.total);
   writer.array(lights.weight);
   writer.array(lights.wavelet_unit);
+  const std::array gains{lights.mean_unit, lights.channel_gain.x, lights.channel_gain.y, lights.channel_gain.z};
+  writer.array(std::span<const float>(gains));
   writer.array(emitters.cluster_rgb);
   writer.array(group_emitted_rgb);
   return writer.take();

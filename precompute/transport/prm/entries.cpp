@@ -409,7 +409,8 @@ EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, 
                           uint64_t seed, int threads, const CancelFlag* cancel) {
   const Sides sides = surfaceSides(atlas);
   const std::vector<float> exposed = exposedShare(scene, atlas, tracer, sides, seed, threads, cancel);
-  const std::vector<float> spacing = entrySpacing(scene, atlas, tracer, sides, seed, threads, cancel);
+  const std::vector<float> spacing = options.denser_where_near ? entrySpacing(scene, atlas, tracer, sides, seed, threads, cancel)
+                                                               : std::vector<float>(sides.slot.size(), 1.0f);
   EntryClusters result = numberClusters(atlas, sides, exposed, partitionSides(atlas, sides, exposed, spacing, options));
   if (options.split_by_visibility)
     result = numberClusters(atlas, sides, exposed, splitByVisibility(scene, atlas, tracer, sides, result, seed, threads, cancel));

@@ -16,6 +16,7 @@ struct EntryOptions {
   uint32_t groups = 1024;            // aimed at; what has been reflected once more is smooth
   uint32_t points_per_cluster = 1;
   uint32_t points_per_group = 8;     // panes only
+  bool denser_where_near = true;     // smaller clusters and groups where surfaces see others close by
   bool split_by_visibility = true;   // cut groups that lie on both sides of a wall; adds some
 };
 

@@ -49,7 +49,7 @@ std::vector<Rgb> evaluateLocalBases(const PrmResult& prm, std::span<const Rgb> c
         for (int channel = 0; channel < 3; ++channel)
           amount[k][channel] += float(bases.coefficient[coefficient++]) * value[size_t(wavelet) * 3 + size_t(channel)] * per_unit;
     }
-    for (size_t k = 0; k < rank; ++k) amount[k] *= bases.scale[scale++] / 127.0f;
+    for (size_t k = 0; k < rank; ++k, scale += 3) amount[k] *= Rgb(bases.scale[scale], bases.scale[scale + 1], bases.scale[scale + 2]) / 127.0f;
     for (uint32_t t = bases.block_first_texel[block]; t < bases.block_first_texel[block + 1]; ++t)
       for (size_t k = 0; k < rank; ++k) result[t] += amount[k] * float(bases.basis[basis++]);
   }

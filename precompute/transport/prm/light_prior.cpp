@@ -13,6 +13,7 @@ std::vector<PriorLight> samplePriorLights(const scene::Scene& scene, const atlas
   std::vector<PriorLight> lights;
   if (total <= 0) return lights;
   const float most_distance = float(6.0 / scene.metres_per_unit);
+  const float least_distance = float(std::min(1e-3 / scene.metres_per_unit, 1e-4 * double((scene.bounds.max - scene.bounds.min).length())));
   const float candela = float(1.0 / (scene.metres_per_unit * scene.metres_per_unit));
   const Sampler sampler(seed, 0x11647ull);
   // A point whose way up is shut at once (inside another object) is skipped; the next one takes its place.
@@ -26,7 +27,7 @@ std::vector<PriorLight> samplePriorLights(const scene::Scene& scene, const atlas
     tracer.closest({&up, 1}, {&hit, 1});
     if (hit.triangle != kNone && !hit.front && !scene.materials[scene.mesh.triangle_material[hit.triangle]].double_sided) continue;
     const float free_distance = hit.triangle == kNone ? most_distance : std::min(hit.t, most_distance);
-    if (free_distance * float(scene.metres_per_unit) < 1e-3f) continue;
+    if (free_distance < least_distance) continue;
     const float height = free_distance * (0.1f + 0.8f * sampler.get1D(attempt, 3));
     PriorLight prior;
     prior.light.position = point.position + point.geometric_normal * height;

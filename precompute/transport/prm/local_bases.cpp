@@ -21,6 +21,8 @@ constexpr float kDarkFloor = 0.1f;
 // Beside the training lights, the basis is made for light on each single cluster: as strong as it typically is (at least this share of the mean), with
 // this weight against the training lights.
 constexpr float kUnseenFloor = 0.3f, kUnseenWeight = 0.25f;
+// The weight of evenly spread light against that of all training lights.
+constexpr float kEvenWeight = 0.5f;
 // A wavelet that no training light excites is taken to be as large as this share of the light around it.
 constexpr float kUnseenWavelet = 0.1f;
 // Coefficients of differences round away from half a step toward zero: what just reaches it costs more bytes than it is worth.
@@ -110,7 +112,9 @@ void linkWavelets(const EntryClusters& clusters, const WaveletIndex& wavelets, c
   }
   responseToWavelets(clusters.tree, wavelets.children, width, response);
 
-  for (uint32_t k = 0; k < rank; ++k) block.scale.push_back(options.wavelet_step / basis_norm[k]);
+  for (uint32_t k = 0; k < rank; ++k)
+    for (int channel = 0; channel < 3; ++channel)
+      block.scale.push_back(options.wavelet_step / (basis_norm[k] * training.mean_unit * training.channel_gain[channel]));
   std::vector<int32_t> steps(response.size());
   std::vector<float> cost(waveletCount(count));
   for (uint32_t w = 0; w < cost.size(); ++w) {
@@ -118,18 +122,24 @@ void linkWavelets(const EntryClusters& clusters, const WaveletIndex& wavelets, c
     const bool is_mean = w < differenceIndex(count, 0);
     for (uint32_t i = 0; i < width; ++i) {
       float& value = response[size_t(w) * width + i];
-      value = std::clamp(value * unit / block.scale[i / 3], -kMostSteps, kMostSteps);
+      value = std::clamp(value * unit / block.scale[i], -kMostSteps, kMostSteps);
       steps[size_t(w) * width + i] = int32_t(std::copysign(std::floor(std::abs(value) + (is_mean ? 0.5f : kRounding)), value));
     }
     cost[w] = costOf(&response[size_t(w) * width], &steps[size_t(w) * width], width, is_mean);
   }
-  // Of each child, the cost of all differences below, and that of its best basis.
+  // Of each child, the cost of all differences below, and that of its best basis. A mean may not stand for a subtree of which some part gives the block nothing at
+  // all: that part lies beyond a wall, and however strong its light is, nothing of it may pass.
+  constexpr float kNever = std::numeric_limits<float>::infinity();
   std::vector<float> below(count, 0), best(count, 0);
+  std::vector<char> dark(waveletCount(count), 1);  // of means: no response at all
+  for (uint32_t w = 0; w < differenceIndex(count, 0); ++w)
+    for (uint32_t i = 0; i < width && dark[w]; ++i) dark[w] = response[size_t(w) * width + i] == 0;
   const auto belowChild = [&](uint32_t child) { return child & WaveletTree::kLeaf ? 0 : below[child]; };
   const auto bestOf = [&](uint32_t child) { return child & WaveletTree::kLeaf ? cost[child & ~WaveletTree::kLeaf] : best[child]; };
   for (uint32_t n = count - 1; n-- > 0;) {
     const auto [first, second] = wavelets.children[n];
     below[n] = cost[differenceIndex(count, n)] + belowChild(first) + belowChild(second);
+    if (dark[meanIndex(count, first)] != dark[meanIndex(count, second)]) below[n] = kNever;
     best[n] = std::min(cost[meanIndex(count, n)] + below[n], bestOf(first) + bestOf(second));
   }
   std::vector<char> chosen(cost.size(), 0);
@@ -211,20 +221,35 @@ TrainingLights makeTrainingLights(const EntryClusters& clusters, const WaveletIn
 
   // Sealed pockets: their light is nearly zero everywhere, and a weight of one over it would let them rule the basis.
   training.weight.assign(training.count, 0.0f);
-  std::vector<double> sorted = mean;
-  if (!sorted.empty()) std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
-  const double median = sorted.empty() ? 0.0 : sorted[sorted.size() / 2];
-  for (uint32_t light = 0; light < training.count; ++light)
-    if (mean[light] > 0.1 * median) training.weight[light] = float(area / mean[light]);
+  for (int channel = 0; channel < 3; ++channel) {
+    const std::span<const double> means(mean.data() + training.first(channel), mean.data() + training.first(channel + 1));
+    if (means.empty()) continue;
+    std::vector<double> sorted(means.begin(), means.end());
+    std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+    for (size_t i = 0; i < means.size(); ++i)
+      if (means[i] > 0.1 * sorted[sorted.size() / 2]) training.weight[training.first(channel) + i] = float(area / means[i]);
+  }
 
   const Eigen::Map<const Eigen::RowVectorXf> weight(training.weight.data(), training.count);
   const RowMajor weighted = direct * weight.asDiagonal();
   const auto wavelet = toWavelets(clusters.tree, wavelets.children, training.count, std::span(weighted.data(), size_t(weighted.size())));
   const float per_light = 1.0f / float(std::max(1u, training.count));
   const uint32_t count = clusters.cluster_count;
+  const auto sizeOf = [&](uint32_t w) {
+    return std::sqrt(Eigen::Map<const VectorXf>(&wavelet[size_t(w) * training.count], training.count).squaredNorm() * per_light);
+  };
+  if (count > 0 && training.count > 0)
+    if (const float size = sizeOf(meanIndex(count, count == 1 ? WaveletTree::kLeaf : 0)); size > 0) training.mean_unit = size;
+  const auto gain2 = [&](uint32_t first, uint32_t end) {
+    double sum = 0;
+    for (uint32_t light = first; light < end; ++light) sum += double(training.weight[light]) * training.weight[light];
+    return end > first ? sum / (end - first) : 0.0;
+  };
+  const double all_gain2 = gain2(0, training.count);
+  for (int channel = 0; channel < 3 && !grey; ++channel)
+    if (const double own = gain2(training.first(channel), training.first(channel + 1)); own > 0) training.channel_gain[channel] = float(std::sqrt(own / all_gain2));
   for (uint32_t w = 0; w < waveletCount(count); ++w) {
-    const Eigen::Map<const VectorXf> row(&wavelet[size_t(w) * training.count], training.count);
-    float size = std::sqrt(row.squaredNorm() * per_light);
+    float size = sizeOf(w) / training.mean_unit;
     if (w >= differenceIndex(count, 0)) {
       const uint32_t node = w - differenceIndex(count, 0);
       size = std::max(size, kUnseenWavelet * waveletUnit(training.wavelet_unit[meanIndex(count, node)]));
@@ -244,6 +269,19 @@ class BlockFit {
       : atlas_(atlas), clusters_(clusters), wavelets_(wavelets), multi_bounce_(multi_bounce), training_(training), options_(options), cluster_(cluster),
         total_(Eigen::Index(cluster.size()), Eigen::Index(training.count)) {
     for (size_t l = 0; l < cluster.size(); ++l) total_.row(Eigen::Index(l)) = training.total.row(cluster[l]);
+  }
+
+  /// The texels at the places `part` of `slots`.
+  void fitPart(const std::vector<uint32_t>& slots, const std::array<RowMajor, 3>& from_cluster, const std::vector<uint32_t>& part,
+               std::vector<BasisBlock>& blocks) const {
+    std::vector<uint32_t> part_slots;
+    std::array<RowMajor, 3> part_from;
+    for (int channel = 0; channel < 3; ++channel) {
+      part_from[channel].resize(Eigen::Index(part.size()), from_cluster[channel].cols());
+      for (size_t i = 0; i < part.size(); ++i) part_from[channel].row(Eigen::Index(i)) = from_cluster[channel].row(part[i]);
+    }
+    for (const uint32_t i : part) part_slots.push_back(slots[i]);
+    fit(part_slots, part_from, blocks);
   }
 
   /// `from_cluster`: per channel [texel][cluster]. Appends one block or several.
@@ -271,6 +309,7 @@ class BlockFit {
     const float typical_floor = kUnseenFloor * (links > 0 ? typical.mean() : 0.0f);
     MatrixXf gram = MatrixXf::Zero(texels, texels);
     const auto addToGram = [&](const MatrixXf& columns, float weight) {
+      if (columns.cols() == 0) return;
       gram.selfadjointView<Eigen::Lower>().rankUpdate(texel_weight.asDiagonal() * columns, weight);
     };
     addToGram(samples, 1.0f);
@@ -278,18 +317,14 @@ class BlockFit {
       if (!training_.grey || channel == 1)
         addToGram(from_cluster[channel] * (typical.array() + typical_floor).matrix().asDiagonal(),
                   kUnseenWeight * kUnseenWeight * float(lights) * (training_.grey ? 1.0f : 1.0f / 3.0f));
+    // And evenly spread light, in which a texel's share of the sky is all that counts.
+    VectorXf even = VectorXf::Zero(texels);
+    for (const auto& matrix : from_cluster) even += matrix.rowwise().sum();
+    const float even_mean = even.cwiseProduct(texel_weight).mean();
+    if (even_mean > 0) addToGram(even / even_mean, kEvenWeight * float(lights));
     const Components components(gram, double(options_.rank_error) * options_.rank_error * double(texels) * double(std::max<Eigen::Index>(1, counted)));
     if (components.rank > Eigen::Index(options_.most_rank) && slots.size() >= 2 * size_t(options_.least_texels)) {
-      for (const auto& part : halves(slots)) {
-        std::vector<uint32_t> part_slots;
-        std::array<RowMajor, 3> part_from;
-        for (int channel = 0; channel < 3; ++channel) {
-          part_from[channel].resize(Eigen::Index(part.size()), links);
-          for (size_t i = 0; i < part.size(); ++i) part_from[channel].row(Eigen::Index(i)) = from_cluster[channel].row(part[i]);
-        }
-        for (const uint32_t i : part) part_slots.push_back(slots[i]);
-        fit(part_slots, part_from, blocks);
-      }
+      for (const auto& part : halves(slots)) fitPart(slots, from_cluster, part, blocks);
       return;
     }
     BasisBlock& block = blocks.emplace_back();
@@ -326,6 +361,44 @@ class BlockFit {
   RowMajor total_;  // [cluster][light]
 };
 
+/// Texels that share what they see with others of the same part only: a block must not reach through a wall, for its maps would let light pass. Lists of
+/// places in the block; texels that see nothing are a part of their own.
+std::vector<std::vector<uint32_t>> partsBySight(const BlockTransport& transport, const EntryClusters& clusters) {
+  constexpr float kCommonSight = 0.1f;  // the common share of the groups seen, of 1
+  const Eigen::Index texels = transport.from_cluster[1].rows();
+  std::vector<uint32_t> column;
+  uint32_t groups = 0;
+  for (size_t l = 0; l < transport.cluster.size(); ++l) {
+    if (l > 0 && clusters.group_of_cluster[transport.cluster[l]] != clusters.group_of_cluster[transport.cluster[l - 1]]) ++groups;
+    column.push_back(groups);
+  }
+  RowMajor seen = RowMajor::Zero(texels, Eigen::Index(groups) + 1);
+  for (size_t l = 0; l < transport.cluster.size(); ++l)
+    for (const auto& matrix : transport.from_cluster) seen.col(column[l]) += matrix.col(Eigen::Index(l));
+  std::vector<std::vector<uint32_t>> parts;
+  std::vector<uint32_t> blind, rest;
+  for (Eigen::Index t = 0; t < texels; ++t) {
+    const float sum = seen.row(t).sum();
+    (sum > 0 ? rest : blind).push_back(uint32_t(t));
+    if (sum > 0) seen.row(t) /= sum;
+  }
+  while (!rest.empty()) {
+    std::vector<uint32_t> part = {rest.front()};
+    rest.erase(rest.begin());
+    for (size_t i = 0; i < part.size(); ++i) {
+      const auto joined = std::stable_partition(rest.begin(), rest.end(), [&](uint32_t t) {
+        return seen.row(part[i]).cwiseMin(seen.row(t)).sum() < kCommonSight;
+      });
+      part.insert(part.end(), joined, rest.end());
+      rest.erase(joined, rest.end());
+    }
+    std::sort(part.begin(), part.end());
+    parts.push_back(std::move(part));
+  }
+  if (!blind.empty()) parts.push_back(std::move(blind));
+  return parts;
+}
+
 }  // namespace
 
 std::vector<BasisBlock> fitBlock(std::span<const uint32_t> slots, const atlas::Atlas& atlas, const Gatherer& gatherer, const EntryClusters& clusters,
@@ -335,7 +408,8 @@ std::vector<BasisBlock> fitBlock(std::span<const uint32_t> slots, const atlas::A
   std::array<RowMajor, 3> from_cluster;
   for (int channel = 0; channel < 3; ++channel) from_cluster[channel] = transport.from_cluster[channel];
   std::vector<BasisBlock> blocks;
-  BlockFit(atlas, clusters, wavelets, multi_bounce, training, options, transport.cluster).fit({slots.begin(), slots.end()}, from_cluster, blocks);
+  const BlockFit block_fit(atlas, clusters, wavelets, multi_bounce, training, options, transport.cluster);
+  for (const auto& part : partsBySight(transport, clusters)) block_fit.fitPart({slots.begin(), slots.end()}, from_cluster, part, blocks);
   if (emitters.cluster_rgb.empty()) return blocks;
   for (BasisBlock& block : blocks)
     for (const uint32_t slot : block.slot) {

@@ -33,7 +33,9 @@ struct TrainingLights {
   bool grey = false;
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> total;  // [fine cluster][light]: irradiance, direct and indirect
   std::vector<float> weight;          // per light: one over its mean indirect irradiance over the clusters' area; 0 for sealed pockets
-  std::vector<uint8_t> wavelet_unit;  // [wavelet]: codes of waveletUnit(): the rms over the lights of the wavelet times the light's weight
+  std::vector<uint8_t> wavelet_unit;  // [wavelet]: codes of waveletUnit(): the rms over the lights of the wavelet times the light's weight, in `mean_unit`
+  float mean_unit = 1;                // the same of the mean over everything
+  Rgb channel_gain{1, 1, 1};          // rms weight of a channel's lights over that of all: a dark channel needs finer steps
 
   /// The lights of a channel: [first(channel), first(channel + 1)).
   uint32_t first(int channel) const { return grey ? (channel > 1 ? count : 0) : uint32_t(uint64_t(count) * uint32_t(channel) / 3); }
@@ -53,7 +55,7 @@ struct BasisBlock {
   std::vector<uint32_t> slot;      // the block's texels
   uint32_t rank = 0;
   std::vector<int8_t> basis;       // [texel][rank], in 1/127
-  std::vector<float> scale;        // [rank]
+  std::vector<float> scale;        // [rank][3]
   std::vector<uint32_t> link_wavelet;
   std::vector<int8_t> coefficient; // [link][rank][3]
   std::vector<Rgb> emitter_indirect_rgb;  // [texel]; empty without emitters

@@ -31,14 +31,14 @@ struct PrmPanes {
 };
 
 /// Blocks of texels with their own basis maps, whose amounts come from the wavelets of direct light that matter to the block:
-///   irradiance(texel, channel) = Σ_k basis(texel, k) · scale(block, k) · Σ_l coefficient(l, k, channel) · wavelet(link_wavelet[l], channel) / unit(link_wavelet[l])
+///   irradiance(texel, channel) = Σ_k basis(texel, k) · scale(block, k, channel) · Σ_l coefficient(l, k, channel) · wavelet(link_wavelet[l], channel) / unit(link_wavelet[l])
 struct PrmLocalBases {
   WaveletTree tree;                         // over the clusters of the entries
   std::vector<uint8_t> wavelet_unit;        // waveletCount(clusters); codes of waveletUnit()
   std::vector<uint32_t> block_first_texel;  // blocks + 1, into PrmResult::texel
   std::vector<uint8_t> block_rank;          // blocks
   std::vector<int8_t> basis;                // per block: [texel][rank]; in 1/127
-  std::vector<float> scale;                 // per block: [rank]
+  std::vector<float> scale;                 // per block: [rank][3]
   std::vector<uint32_t> block_first_link;   // blocks + 1, into link_wavelet
   std::vector<uint32_t> link_wavelet;       // ascending within a block; one that needs more than a byte is linked several times
   std::vector<int8_t> coefficient;          // per block: [link][rank][3]
