@@ -268,7 +268,11 @@ PooledError medianError(std::span<const PooledError> errors) {
   const auto takeMedian = [&](double PooledError::*field, Interval PooledError::*interval_95) {
     const auto list = values([&](const PooledError& error) { return error.*field; });
     result.*field = medianOf(list);
-    result.*interval_95 = medianInterval(list, list);
+    // Of few paths the estimates themselves are skewed: most lie below what they estimate, and so does their median. Their own intervals know.
+    const Interval between = medianInterval(list, list);
+    const Interval own = medianInterval(values([&](const PooledError& error) { return (error.*interval_95).low; }),
+                                        values([&](const PooledError& error) { return (error.*interval_95).high; }));
+    result.*interval_95 = {std::min(between.low, own.low), std::max(between.high, own.high)};
   };
   for (const PooledError& error : errors) result.texels = std::max(result.texels, error.texels);
   takeMedian(&PooledError::relrmse, &PooledError::relrmse_95);
