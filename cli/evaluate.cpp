@@ -11,6 +11,7 @@
 #include "cli/portal_options.h"
 #include "cli/prm_evaluator.h"
 #include "cli/radiosity_evaluator.h"
+#include "cli/slot_values.h"
 #include "cli/vpl_evaluator.h"
 #include "cli/vpl_evaluator_gl.h"
 #include "format/encode/atomic_file.h"
@@ -64,15 +65,6 @@ std::vector<Rgb> lightOfLamps(Session& session, const Options& options, const ba
   reference.progress = [&](double fraction) { meter.update(fraction); };
   return transport::referenceIrradiance(container.scene, container.atlas, tracer, container.scene.lights, Component::direct, reference)
       .irradiance_rgb;
-}
-
-std::vector<Rgb> valuesOfSlots(const atlas::Atlas& atlas, const std::vector<float>& atlas_rgba) {
-  std::vector<Rgb> values;
-  for (const atlas::Slot& slot : atlas.slots) {
-    const float* texel = &atlas_rgba[size_t(slot.texel) * 4];
-    values.push_back({texel[0], texel[1], texel[2]});
-  }
-  return values;
 }
 
 /// What the section "prm" adds, one value per slot. `sky`: LW_SKY_… bits that it may add.

@@ -10,6 +10,7 @@
 #include "cli/prm_evaluator.h"
 #include "cli/radiosity_evaluator.h"
 #include "cli/runtime_handles.h"
+#include "cli/slot_values.h"
 #include "cli/vpl_evaluator.h"
 #include "format/encode/atomic_file.h"
 #include "format/encode/verify.h"
@@ -26,15 +27,6 @@ constexpr uint32_t kSamples = 16;  // points of each texel at which evaluators l
 
 double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-std::vector<Rgb> valuesOfSlots(const atlas::Atlas& atlas, const std::vector<float>& atlas_rgba) {
-  std::vector<Rgb> values;
-  for (const atlas::Slot& slot : atlas.slots) {
-    const float* texel = &atlas_rgba[size_t(slot.texel) * 4];
-    values.push_back({texel[0], texel[1], texel[2]});
-  }
-  return values;
-}
-
 /// What the runtime makes of the technique's section, as `lightwell evaluate --evaluator cpu` asks it.
 std::vector<Rgb> evaluate(const Job& job, const cli::RuntimeContainer& runtime, const bake::ContainerScene& scene, const trace::Tracer& tracer, int threads,
                           const CancelFlag& cancel) {
@@ -44,16 +36,16 @@ std::vector<Rgb> evaluate(const Job& job, const cli::RuntimeContainer& runtime, 
       cli::PrmEvaluation evaluation{.container = runtime, .scene = scene.scene, .tracer = tracer, .lights = {}};
       if (indirect) evaluation.lights = scene.scene.lights, evaluation.emitters |= LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT;
       if (direct) evaluation.emitters |= LW_EMITTERS_DIRECT | LW_SKY_DIRECT;
-      return valuesOfSlots(scene.atlas, cli::evaluatePrmOnCpu(evaluation));
+      return cli::valuesOfSlots(scene.atlas, cli::evaluatePrmOnCpu(evaluation));
     }
     case Technique::radiosity: {
       const uint32_t light = (indirect ? LW_RADIOSITY_INDIRECT : 0) | (direct ? LW_RADIOSITY_EMITTERS : 0);
-      return valuesOfSlots(scene.atlas, cli::evaluateRadiosityOnCpu({.container = runtime, .scene = scene, .tracer = tracer, .light = light, .samples = kSamples,
+      return cli::valuesOfSlots(scene.atlas, cli::evaluateRadiosityOnCpu({.container = runtime, .scene = scene, .tracer = tracer, .light = light, .samples = kSamples,
                                                                      .portal_open = {}, .threads = threads, .cancel = &cancel}));
     }
     case Technique::lightmap: {
       const uint32_t light = (direct ? LW_LIGHTMAP_DIRECT : 0) | (indirect ? LW_LIGHTMAP_INDIRECT : 0);
-      return valuesOfSlots(scene.atlas, cli::evaluateLightmapOnCpu(runtime, light));
+      return cli::valuesOfSlots(scene.atlas, cli::evaluateLightmapOnCpu(runtime, light));
     }
     case Technique::vpl:
       return cli::evaluateVplOnCpu({.container = runtime, .scene = scene, .tracer = tracer, .component = job.component, .samples = kSamples, .threads = threads,

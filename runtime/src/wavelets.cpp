@@ -22,7 +22,6 @@ const char* WaveletTree::load(const Host& host, uint32_t clusters, const Array<u
       child_[n * 2 + k] = count[k] == 1 ? from[k] : clusters + at[k];
       if (count[k] > 1) range[at[k] * 2] = from[k], range[at[k] * 2 + 1] = count[k];
     }
-    if (first_share[n] == 0) return "the share of a first child is zero";
     share_[n] = float(first_share[n]) * 0x1p-16f;
   }
   for (size_t w = 0; w < unit.size(); ++w) per_unit_[w] = std::exp2((160.0f - float(unit[w])) * 0.125f);

@@ -22,17 +22,23 @@ TEST(Lightmap, AFurnaceHasTheGeometricSeries) {
   }
 }
 
+/// Luminance received by all surfaces: direct, indirect.
+std::pair<double, double> flux(const Prepared& p, const Lightmap& map) {
+  double direct = 0, indirect = 0;
+  for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot) {
+    direct += luminance(map.direct_rgb[slot]) * double(p.atlas.slots[slot].area);
+    indirect += luminance(map.indirect_rgb[slot]) * double(p.atlas.slots[slot].area);
+  }
+  return {direct, indirect};
+}
+
 TEST(Lightmap, AClosedRoomKeepsTheEnergyOfALamp) {
   for (const float albedo : {0.3f, 0.8f}) {
     scene::Scene scene = test::closedBox({1, 1.5f, 2}, test::diffuse(albedo));
     scene.lights.push_back(test::pointLight({0.3f, 0.4f, -0.7f}, 3.0f));
     const Prepared p(std::move(scene), 48);
     const Lightmap map = bake(p, {});
-    double direct = 0, indirect = 0;
-    for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot) {
-      direct += luminance(map.direct_rgb[slot]) * double(p.atlas.slots[slot].area);
-      indirect += luminance(map.indirect_rgb[slot]) * double(p.atlas.slots[slot].area);
-    }
+    const auto [direct, indirect] = flux(p, map);
     EXPECT_NEAR(direct / (4 * kPi * 3.0), 1.0, 0.002);
     EXPECT_NEAR(indirect / (4 * kPi * 3.0 * albedo / (1 - albedo)), 1.0, 0.005) << albedo;
   }
@@ -46,11 +52,7 @@ TEST(Lightmap, ALampThatAllButTouchesAWallLosesNothing) {
       scene.lights.push_back(test::pointLight(position, 3.0f));
       const Prepared p(std::move(scene), 48);
       const Lightmap map = bake(p, {});
-      double direct = 0, indirect = 0;
-      for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot) {
-        direct += luminance(map.direct_rgb[slot]) * double(p.atlas.slots[slot].area);
-        indirect += luminance(map.indirect_rgb[slot]) * double(p.atlas.slots[slot].area);
-      }
+      const auto [direct, indirect] = flux(p, map);
       EXPECT_NEAR(direct / (4 * kPi * 3.0), 1.0, 0.005) << gap;
       EXPECT_NEAR(indirect / (4 * kPi * 3.0), 1.0, 0.06) << gap << " " << position;
     }

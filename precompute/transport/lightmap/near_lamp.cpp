@@ -4,17 +4,13 @@
 #include <cmath>
 #include <span>
 
+#include "precompute/transport/solid_angle.h"
+
 namespace lightwell::transport {
 namespace {
 
 constexpr double kNear = 3;          // of the texel's radius about its centroid
 constexpr double kSpot = 0.25;       // height above the texel, likewise
-
-/// Of a triangle as seen from the origin.
-double solidAngle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  const double la = a.length(), lb = b.length(), lc = c.length();
-  return 2 * std::atan2(std::abs(a.dot(b.cross(c))), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-}
 
 }  // namespace
 
@@ -44,7 +40,7 @@ NearLamp nearLamp(const scene::Mesh& mesh, const atlas::Atlas& atlas, const Punc
     const double above = -a.dot(normal) * (back ? -1 : 1);
     area += double(patch.area);
     if (!(above > 0)) continue;
-    seen_sr += solidAngle(a, b, c);
+    seen_sr += triangleSolidAngle(a, b, c);
     height = std::min(height, above);
   }
   if (area > 0) found.irradiance_rgb = Vec3d(light.intensity) * (seen_sr / area);

@@ -1,16 +1,12 @@
 #include "precompute/transport/prm/entry_irradiance.h"
 
+#include "precompute/transport/solid_angle.h"
+
 namespace lightwell::transport {
 namespace {
 
 // Beyond so many times the longer half side, the middle of a rectangle stands for all of it within two parts in a thousand.
 constexpr float kFar = 35.0f;
-
-/// Solid angle of the triangle of three directions of any length (Van Oosterom, Strackee: "The Solid Angle of a Plane Triangle", equation 8).
-float solidAngle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const float la = a.length(), lb = b.length(), lc = c.length();
-  return 2.0f * std::atan2(std::abs(a.dot(b.cross(c))), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-}
 
 }  // namespace
 
@@ -18,8 +14,8 @@ float rectangleGain(const Vec3& to_light, const Vec3& normal, const Vec3& half_u
   const float area = 4.0f * half_u.length() * half_v.length(), reach2 = kFar * kFar * std::max(half_u.length2(), half_v.length2());
   const float distance2 = to_light.length2(), height = to_light.dot(normal);
   if (!(area > 0) || !(distance2 < reach2) || !(height > 0)) return 1.0f;
-  const Vec3 a = -half_u - half_v - to_light, b = half_u - half_v - to_light, c = half_u + half_v - to_light, d = half_v - half_u - to_light;
-  return (solidAngle(a, b, c) + solidAngle(a, c, d)) * distance2 * std::sqrt(distance2) / (area * height);
+  const Vec3d a(-half_u - half_v - to_light), b(half_u - half_v - to_light), c(half_u + half_v - to_light), d(half_v - half_u - to_light);
+  return float((triangleSolidAngle(a, b, c) + triangleSolidAngle(a, c, d)) * distance2 * std::sqrt(distance2) / (area * height));
 }
 
 std::vector<Rgb> clusterIrradiance(const PrmEntries& entries, const trace::Tracer& tracer, const scene::Light& light) {

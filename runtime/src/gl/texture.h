@@ -13,7 +13,6 @@ inline constexpr TexelFormat kTexelRgba32f{kRgba32f, kRgba, kFloat, 16}, kTexelR
     kTexelR32f{kR32f, kRed, kFloat, 4}, kTexelR32ui{kR32ui, kRedInteger, kUnsignedInt, 4},
     kTexelRg32ui{kRg32ui, kRgInteger, kUnsignedInt, 8}, kTexelRgba32ui{kRgba32ui, kRgbaInteger, kUnsignedInt, 16},
     kTexelRgb9e5{kRgb9e5, kRgb, kUnsignedInt5999Rev, 4}, kTexelRgb16f{kRgb16f, kRgb, kHalfFloat, 6},
-    kTexelRgb8i{kRgb8i, kRgbInteger, kByte, 3}, kTexelRgb16i{kRgb16i, kRgbInteger, kShort, 6},
     kTexelRgb8ui{kRgb8ui, kRgbInteger, kUnsignedByte, 3}, kTexelRgb16ui{kRgb16ui, kRgbInteger, kUnsignedShort, 6},
     kTexelRgba8Snorm{kRgba8Snorm, kRgba, kByte, 4}, kTexelR8{kR8, kRed, kUnsignedByte, 1},
     kTexelDepth32f{kDepthComponent32f, kDepthComponent, kFloat, 4};
