@@ -6,6 +6,7 @@
 
 #include "runtime/src/container.h"
 #include "runtime/src/radiosity.h"
+#include "runtime/src/frame.h"
 
 namespace lightwell::runtime {
 namespace {
@@ -24,8 +25,8 @@ void keptByPatch(const lw_radiosity& r, size_t patch, const lw_blocker* blockers
     near = std::sqrt(square) < blockers[i].radius_m + kNear * side;
   }
   if (!near) return keptLight(blockers, count, position, n, kept_rgb);
-  const float sign = std::copysign(1.0f, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
-  const float tangent[3] = {1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]}, bitangent[3] = {b, sign + n[1] * n[1] * a, -n[1]};
+  float tangent[3], bitangent[3];
+  frameAbout(n, tangent, bitangent);
   float sum[3] = {};
   for (int corner = 0; corner < 4; ++corner) {
     const float u = corner & 1 ? 0.25f : -0.25f, v = corner & 2 ? 0.25f : -0.25f;

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "runtime/src/container.h"
+#include "runtime/src/frame.h"
 
 namespace lightwell::runtime {
 
@@ -57,10 +58,8 @@ float rectangleGain(const float* to_light_m, const float* normal, const float* r
   const float area = 4.0f * rectangle[0] * rectangle[1], reach = kFar * std::max(rectangle[0], rectangle[1]);
   const float square = dot(to_light_m, to_light_m), height = dot(to_light_m, normal);
   if (!(area > 0) || !(square < reach * reach) || !(height > 0)) return 1.0f;
-  // A frame about the normal (Duff et al.: "Building an Orthonormal Basis, Revisited").
-  const float sign = std::copysign(1.0f, normal[2]), a = -1.0f / (sign + normal[2]), b = normal[0] * normal[1] * a;
-  const float tangent[3] = {1.0f + sign * normal[0] * normal[0] * a, sign * b, -sign * normal[0]};
-  const float bitangent[3] = {b, sign + normal[1] * normal[1] * a, -normal[1]};
+  float tangent[3], bitangent[3];
+  frameAbout(normal, tangent, bitangent);
   const float c = std::cos(rectangle[2] * 3.14159265f), s = std::sin(rectangle[2] * 3.14159265f);
   float corner[4][3];
   for (int i = 0; i < 4; ++i) {

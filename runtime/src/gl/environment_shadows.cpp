@@ -1,8 +1,8 @@
 // One depth map for each cell of a sky, in one atlas; the most important and oldest are drawn anew first.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
+#include "runtime/src/frame.h"
 #include "runtime/src/gl/environment_gl.h"
 #include "runtime/src/light.h"
 
@@ -11,19 +11,11 @@ namespace {
 
 constexpr float kFarthest_m = 1e12f;
 
-/// Duff et al., "Building an Orthonormal Basis, Revisited" (JCGT 2017), as lwBasis has it.
-void basis(const float* n, float* tangent, float* bitangent) {
-  const float sign = std::copysign(1.0f, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
-  const float t[3] = {1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]}, u[3] = {b, sign + n[1] * n[1] * a, -n[1]};
-  std::memcpy(tangent, t, sizeof t);
-  std::memcpy(bitangent, u, sizeof u);
-}
-
 /// Orthographic, seen from the sky: the bounds fill the map up to its margin, near is where the light comes from.
 void mapMatrix(const lw_gl_environment& environment, const float* direction, int32_t texels, float* matrix) {
   const EnvironmentBlock& block = environment.block;
   float axis[3][3];
-  basis(direction, axis[0], axis[1]);
+  frameAbout(direction, axis[0], axis[1]);
   for (int k = 0; k < 3; ++k) axis[2][k] = -direction[k];
   const float picture = float(texels - 2 * kMapMargin) / float(texels);
   for (int row = 0; row < 3; ++row) {
