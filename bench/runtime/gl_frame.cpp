@@ -1,10 +1,13 @@
 // What indirect light costs a frame on OpenGL and on the CPU, by layout and by the number of panes, beside the paper's way in the same run.
 //   gl_frame A.lwc [B.lwc …] [--repeats 15] [--json]
+// slow_frame: the lamp moves by a thousandth of the scene from frame to frame; else it jumps to another place. Shadow maps are real, and not timed.
 // Wall clock until glFinish returns, medians; ratios are medians of those of frames drawn in turn. No window.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "cli/gl_handles.h"
@@ -12,6 +15,7 @@
 #include "format/encode/reader.h"
 #include "render/egl_context.h"
 #include "render/gl_objects.h"
+#include "render/shadow_maps.h"
 
 using namespace lightwell;
 using nlohmann::json;
@@ -27,13 +31,19 @@ struct Options {
   bool json = false;
 };
 
+struct Frame {
+  std::function<void()> timed;
+  std::function<void()> before = [] {};
+};
+
 /// Milliseconds of each of `frames` in each repetition. They take turns, so that what else the machine does hits all alike.
-std::vector<std::vector<double>> timeInTurn(int repeats, const std::vector<std::function<void()>>& frames) {
+std::vector<std::vector<double>> timeInTurn(int repeats, const std::vector<Frame>& frames) {
   std::vector<std::vector<double>> milliseconds(frames.size());
   for (int i = -2; i < repeats; ++i)
     for (size_t f = 0; f < frames.size(); ++f) {
+      frames[f].before();
       const auto begin = std::chrono::steady_clock::now();
-      frames[f]();
+      frames[f].timed();
       const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
       if (i >= 0) milliseconds[f].push_back(took.count());  // the first two rounds compile shaders and touch memory
     }
@@ -106,19 +116,6 @@ void main() {
   render::Program program_;
 };
 
-/// A cube depth map in which nothing is in the way.
-render::Texture clearShadowCube() {
-  constexpr int kSize = 256;
-  render::Texture cube = render::Texture::make();
-  render::bindTexture(0, GL_TEXTURE_CUBE_MAP, cube);
-  const std::vector<float> far(size_t(kSize) * kSize, 1.0f);
-  for (int face = 0; face < 6; ++face)
-    glTexImage2D(GLenum(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face), 0, GL_DEPTH_COMPONENT32F, kSize, kSize, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
-                 far.data());
-  glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MAX_LEVEL, 0);
-  return cube;
-}
-
 /// Mean bytes that the last pass reads per covered texel: for panes and bases from the layout, the place of the texel (8) included.
 double bytesPerTexel(const format::Reader& reader, const lw_prm_info& info, uint32_t brightest) {
   const double place = 8, emitters = info.has_emitter ? 4 : 0;
@@ -141,17 +138,27 @@ double sharedBytesPerTexel(const format::Reader& reader, const lw_prm_info& info
   return bytes / double(info.texels);
 }
 
-lw_light lampOf(const cli::RuntimeContainer& container) {
+/// A lamp over the floor, a share of the way through the entry points that look up, moved by a share of the scene's size.
+lw_light lampOf(const cli::RuntimeContainer& container, const lw_prm* prm, float through, float moved) {
   lw_scene_info scene;
+  lw_prm_info info;
+  lw_prm_entries entries;
   container.check(lw_get_scene_info(container.get(), &scene));
+  container.check(lw_prm_get_info(prm, &info));
+  container.check(lw_prm_get_entries(prm, &entries));
+  std::vector<const float*> floor;
+  for (uint32_t e = 0; e < info.entries; ++e)
+    if (entries.normal[e * 3 + 1] > 0.9f) floor.push_back(entries.position_m + e * 3);
+  if (floor.empty()) floor.push_back(entries.position_m);
+  const float* below = floor[size_t(through * float(floor.size() - 1))];
+  const float height = scene.bounds_max_m[1] - scene.bounds_min_m[1], width = scene.bounds_max_m[0] - scene.bounds_min_m[0];
   lw_light light{};
   light.type = LW_LIGHT_POINT;
-  for (int i = 0; i < 3; ++i) {
-    light.position_m[i] = 0.5f * (scene.bounds_min_m[i] + scene.bounds_max_m[i]);
-    light.direction[i] = i == 1 ? -1.0f : 0.0f;
-    light.intensity_rgb[i] = 1;
-  }
-  light.inner_cone_angle_rad = 0, light.outer_cone_angle_rad = 0.7853982f;
+  for (int i = 0; i < 3; ++i) light.position_m[i] = below[i], light.intensity_rgb[i] = 1;
+  light.position_m[0] += moved * width;
+  light.position_m[1] += std::min(1.5f, 0.4f * height);
+  light.direction[1] = -1;
+  light.outer_cone_angle_rad = 0.7853982f;
   return light;
 }
 
@@ -164,52 +171,49 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
   lw_gl_prm* raw = nullptr;
   container.check(lw_gl_prm_create(gl, prm.get(), nullptr, &raw));
   const cli::GlPrmHandle gl_prm(raw);
-  const render::Texture shadow = clearShadowCube();
-  lw_gl_light light = LW_GL_LIGHT_INIT;
-  light.light = lampOf(container);
-  light.shadow = LW_GL_SHADOW_CUBE;
-  light.shadow_texture = shadow;
+  // Two lamps in turn, so that no frame finds what it needs already summed: far from each other, or as one that moves slowly. Their shadow maps are made
+  // beforehand: direct light needs them, too.
+  const render::SceneMesh mesh(container.get());
+  render::ShadowMaps shadows(mesh);
+  shadows.update(std::vector<lw_light>{lampOf(container, prm.get(), 0.3f, 0), lampOf(container, prm.get(), 0.7f, 0), lampOf(container, prm.get(), 0.3f, 0),
+                                       lampOf(container, prm.get(), 0.3f, 0.001f)});
+  const lw_gl_light light[2][2] = {{shadows.maps()[0].light, shadows.maps()[1].light}, {shadows.maps()[2].light, shadows.maps()[3].light}};
+  int turn = 0;
+  const auto relight = [&](int pair) {
+    container.check(lw_gl_update_entries(gl_prm.get(), &light[pair][turn ^= 1], 1));
+  };
   const PaperPass paper(int(info.width), int(info.height));
   std::vector<float> entry_rgb(size_t(info.entries) * 3), cluster_rgb(size_t(info.clusters) * 3),
       atlas_rgba(size_t(info.width) * info.height * 4);
   std::vector<float> scratch(lw_prm_scratch_bytes(prm.get()) / sizeof(float) + 1);
 
   const bool panes = info.layout == LW_PRM_PANES;
-  const auto entries = timeInTurn(
-      options.repeats, {[&] {
-                          container.check(lw_gl_update_entries(gl_prm.get(), &light, 1));
-                          glFinish();
-                        },
-                        [&] {
-                          container.check(lw_prm_entry_irradiance(prm.get(), &light.light, 1, nullptr, nullptr, entry_rgb.data()));
-                          container.check(lw_prm_cluster_irradiance(prm.get(), entry_rgb.data(), cluster_rgb.data()));
-                        }});
+  const auto entries =
+      timeInTurn(options.repeats, {{[&] { relight(0), glFinish(); }}, {[&] {
+                                     const lw_light& lamp = light[0][turn ^= 1].light;
+                                     container.check(lw_prm_entry_irradiance(prm.get(), &lamp, 1, nullptr, nullptr, entry_rgb.data()));
+                                     container.check(lw_prm_cluster_irradiance(prm.get(), entry_rgb.data(), cluster_rgb.data()));
+                                   }}});
   for (const uint32_t brightest : panes ? options.brightest : std::vector<uint32_t>{0}) {
     if (brightest >= info.clusters) continue;
     lw_prm_options prm_options = LW_PRM_OPTIONS_INIT;
     prm_options.brightest = brightest;
-    const auto evaluate =
-        timeInTurn(options.repeats, {[&] {
-                                       container.check(lw_gl_evaluate(gl_prm.get(), &prm_options));
-                                       glFinish();
-                                     },
-                                     [&] {
-                                       paper.draw();
-                                       glFinish();
-                                     },
-                                     [&] {
-                                       container.check(lw_prm_evaluate(prm.get(), cluster_rgb.data(), &prm_options, scratch.data(),
-                                                                       scratch.size() * sizeof(float), atlas_rgba.data()));
-                                     },
-                                     [&] {
-                                       if (!panes) container.check(lw_gl_update_coefficients(gl_prm.get()));
-                                       glFinish();
-                                     },
-                                     [&] {
-                                       container.check(lw_gl_update_entries(gl_prm.get(), &light, 1));
-                                       container.check(lw_gl_evaluate(gl_prm.get(), &prm_options));
-                                       glFinish();
-                                     }});
+    const auto relit = [&] { relight(0), glFinish(); };
+    const auto drawn = [&] { container.check(lw_gl_evaluate(gl_prm.get(), &prm_options)), glFinish(); };
+    const auto evaluate = timeInTurn(
+        options.repeats, {{drawn, relit},
+                          {[&] { paper.draw(), glFinish(); }},
+                          {[&] {
+                            container.check(lw_prm_evaluate(prm.get(), cluster_rgb.data(), &prm_options, scratch.data(), scratch.size() * sizeof(float),
+                                                            atlas_rgba.data()));
+                          }},
+                          {[&] {
+                             if (!panes) container.check(lw_gl_update_coefficients(gl_prm.get()));
+                             glFinish();
+                           },
+                           relit},
+                          {[&] { relight(0), drawn(); }},
+                          {[&] { relight(1), drawn(); }, [&] { relight(1), drawn(); }}});
     const std::string what =
         panes ? (brightest ? "brightest " + std::to_string(brightest) + " of " : "all ") + std::to_string(info.clusters) + " panes"
               : "local bases";
@@ -224,6 +228,8 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
                     {"ratio_to_paper", medianRatio(evaluate[0], evaluate[1])},
                     {"frame_gl_ms", median(evaluate[4])},
                     {"frame_ratio_to_paper", medianRatio(evaluate[4], evaluate[1])},
+                    {"slow_frame_gl_ms", median(evaluate[5])},
+                    {"slow_frame_ratio_to_paper", medianRatio(evaluate[5], evaluate[1])},
                     {"entries_cpu_ms", median(entries[1])},
                     {"evaluate_cpu_ms", median(evaluate[2])},
                     {"bytes_per_texel", bytesPerTexel(reader, info, brightest)},
@@ -250,7 +256,8 @@ void run(const Options& options) {
     return;
   }
   constexpr const char* kColumns[] = {"entries_gl_ms",          "evaluate_gl_ms", "coefficients_gl_ms", "paper_32_panes_gl_ms",
-                                      "ratio_to_paper",         "frame_gl_ms",    "frame_ratio_to_paper", "entries_cpu_ms", "evaluate_cpu_ms",    "bytes_per_texel",
+                                      "ratio_to_paper",         "frame_gl_ms",    "frame_ratio_to_paper", "slow_frame_gl_ms",   "slow_frame_ratio_to_paper",
+                                      "entries_cpu_ms",         "evaluate_cpu_ms", "bytes_per_texel",
                                       "shared_bytes_per_texel", "texture_bytes",  "paper_texture_bytes"};
   std::printf("container,what,atlas,texels");
   for (const char* column : kColumns) std::printf(",%s", column);

@@ -1,9 +1,11 @@
 // A decoded precomputed radiance map. The arrays keep the types of the container; docs/format.md gives their meaning.
 #pragma once
 #include <atomic>
+#include <cstring>
 
 #include "format/decode/headers.h"
 #include "runtime/src/host.h"
+#include "runtime/src/prm_links.h"
 #include "runtime/src/wavelets.h"
 
 struct lw_prm {
@@ -32,10 +34,7 @@ struct lw_prm {
   Array<uint32_t> block_first_texel;    // [blocks + 1]
   Array<uint8_t> block_rank;            // [blocks]
   Array<int8_t> basis;                  // per block [texel][rank], value / 127
-  Array<uint32_t> block_first_link;     // [blocks + 1]
-  Array<uint32_t> link_wavelet;         // [links]
-  Array<float> coefficient_scale;       // per block [rank][3]
-  Array<int8_t> coefficient;            // per block [link][rank][3]; some zeros after the last
+  lightwell::runtime::PrmLinks links;   // from wavelets to blocks
   lightwell::runtime::WaveletTree tree; // over the clusters
 
   Array<uint32_t> emitter_direct_rgb9e5, emitter_indirect_rgb9e5;  // [texels], or empty
@@ -54,12 +53,20 @@ inline lw_prm* retain(const lw_prm& prm) {
   return &owned;
 }
 
-/// Floats of scratch memory for amounts(), the amounts themselves included.
-size_t amountScratchFloats(const lw_prm& prm);
+/// Memory of the sums over the links, parts of one piece of scratch.
+struct SumMemory {
+  SumMemory(const lw_prm& prm, float* scratch)
+      : wavelet_rgb(scratch), applied_rgb(scratch + prm.tree.wavelets() * 3), sums(scratch + prm.tree.wavelets() * 6),
+        touched(reinterpret_cast<uint8_t*>(sums + prm.links.blocks() * prm.links.stride())) {}
+  static size_t floats(const lw_prm& prm) { return prm.tree.wavelets() * 6 + prm.links.blocks() * prm.links.stride() + (prm.links.blocks() + 3) / 4; }
+  /// Dark: where every update has to start once.
+  void clear(const lw_prm& prm) { std::memset(applied_rgb, 0, (floats(prm) - prm.tree.wavelets() * 3) * sizeof(float)); }
 
-/// What the blocks' basis maps are multiplied with, for irradiance on the clusters: [sum of ranks][3] in the order of the blocks, such that
-/// irradiance = Σ_k basisValue(basis[k]) amount_rgb[k]. Lies in `scratch`.
-const float* amounts(const lw_prm& prm, const float* cluster_rgb, float* scratch);
+  float* wavelet_rgb;  // [wavelets][3]: the light to sum
+  float* applied_rgb;  // [wavelets][3]: what `sums` stand for
+  float* sums;         // [blocks][stride]; irradiance = Σ_k basisValue(basis[k]) sums[k] scale[k]
+  uint8_t* touched;    // [blocks]: 1 where sums have changed
+};
 
 /// Luminance of a cluster's contribution to the atlas, by which the brightest are chosen. `pane_sum_rgb` is null for local bases.
 inline float contribution(const float* irradiance_rgb, const float* pane_sum_rgb) {

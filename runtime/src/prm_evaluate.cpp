@@ -20,7 +20,8 @@ bool resolveOptions(const lw_prm_options* given, lw_prm_options& options) {
   options = LW_PRM_OPTIONS_INIT;
   if (!given) return true;
   if (given->size < sizeof(lw_prm_options) || given->keep_energy > 1 || given->fill > 1 ||
-      given->emitters > (LW_EMITTERS_DIRECT | LW_EMITTERS_INDIRECT | LW_SKY_DIRECT | LW_SKY_INDIRECT) || !isIrradiance(given->sky_rgb, 3))
+      given->emitters > (LW_EMITTERS_DIRECT | LW_EMITTERS_INDIRECT | LW_SKY_DIRECT | LW_SKY_INDIRECT) || !isIrradiance(given->sky_rgb, 3) ||
+      !(given->tolerance >= 0 && given->tolerance <= 1))
     return false;
   options = *given;
   return true;
@@ -109,11 +110,16 @@ void evaluatePanes(const lw_prm& prm, const float* irradiance_rgb, const Weight*
   }
 }
 
-void evaluateLocalBases(const lw_prm& prm, const float* irradiance_rgb, float* scratch, float* rgba) {
+void evaluateLocalBases(const lw_prm& prm, const float* irradiance_rgb, float tolerance, float* scratch, float* rgba) {
   const int8_t* basis = prm.basis.data();
-  const float* amount_rgb = amounts(prm, irradiance_rgb, scratch);
+  SumMemory memory(prm, scratch);
+  memory.clear(prm);
+  prm.tree.transform(irradiance_rgb, memory.wavelet_rgb);
+  prm.links.update(memory.wavelet_rgb, tolerance, memory.applied_rgb, memory.sums, memory.touched);
   for (uint32_t block = 0; block < prm.header.blocks; ++block) {
     const uint32_t rank = prm.block_rank[block];
+    float* amount_rgb = memory.sums + block * prm.links.stride();
+    for (uint32_t i = 0; i < rank * 3; ++i) amount_rgb[i] *= prm.links.scale(block)[i];
     for (uint32_t t = prm.block_first_texel[block]; t < prm.block_first_texel[block + 1]; ++t, basis += rank) {
       float sum[3] = {};
       for (uint32_t k = 0; k < rank; ++k) {
@@ -124,7 +130,6 @@ void evaluateLocalBases(const lw_prm& prm, const float* irradiance_rgb, float* s
       for (int c = 0; c < 3; ++c) texel[c] = sane(sum[c]);
       texel[3] = 1.0f;
     }
-    amount_rgb += rank * 3;
   }
 }
 
@@ -146,7 +151,7 @@ using namespace lightwell::runtime;
 
 size_t lw_prm_scratch_bytes(const lw_prm* prm) {
   if (!prm) return 0;
-  return prm->pane_sum_rgb.empty() ? amountScratchFloats(*prm) * sizeof(float) : size_t(prm->header.clusters) * sizeof(Weight);
+  return prm->pane_sum_rgb.empty() ? SumMemory::floats(*prm) * sizeof(float) : size_t(prm->header.clusters) * sizeof(Weight);
 }
 
 lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb, const lw_prm_options* given, void* scratch,
@@ -166,7 +171,7 @@ lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb
     const uint32_t count = selectBrightest(*prm, cluster_irradiance_rgb, options.brightest, options.keep_energy != 0, weights, scale_rgb);
     evaluatePanes(*prm, cluster_irradiance_rgb, weights, count, scale_rgb, atlas_rgba);
   } else {
-    evaluateLocalBases(*prm, cluster_irradiance_rgb, static_cast<float*>(scratch), atlas_rgba);
+    evaluateLocalBases(*prm, cluster_irradiance_rgb, options.tolerance, static_cast<float*>(scratch), atlas_rgba);
   }
   const float once[3] = {1, 1, 1}, scale = prm->header.sky_scale;
   const float sky_rgb[3] = {options.sky_rgb[0] * scale, options.sky_rgb[1] * scale, options.sky_rgb[2] * scale};

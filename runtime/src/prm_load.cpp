@@ -136,54 +136,43 @@ class Loader {
       return void(bad("header", "its counts cannot be"));
     decode("block_first_texel", ElementType::u32, uint64_t(h.blocks) + 1, prm_.block_first_texel);
     decode("block_rank", ElementType::u8, h.blocks, prm_.block_rank);
-    decode("block_first_link", ElementType::u32, uint64_t(h.blocks) + 1, prm_.block_first_link);
+    decode("block_first_link", ElementType::u32, uint64_t(h.blocks) + 1, first_link_);
     if (result_) return;
     if (!areOffsets(prm_.block_first_texel, h.texels, 0)) return void(bad("block_first_texel", "it does not split the texels"));
-    const uint32_t links = prm_.block_first_link[h.blocks];
-    if (!areOffsets(prm_.block_first_link, links, 0)) return void(bad("block_first_link", "it does not split the links"));
+    const uint32_t links = first_link_[h.blocks];
+    if (!areOffsets(first_link_, links, 0)) return void(bad("block_first_link", "it does not split the links"));
     uint64_t basis_size = 0, rank_sum = 0, coefficient_size = 0;
     for (uint32_t b = 0; b < h.blocks; ++b) {
       const uint64_t rank = prm_.block_rank[b];
       require(rank <= h.max_rank, "block_rank", "a rank is above the header's maximum");
       basis_size += rank * (prm_.block_first_texel[b + 1] - prm_.block_first_texel[b]);
-      coefficient_size += rank * (prm_.block_first_link[b + 1] - prm_.block_first_link[b]) * 3;
+      coefficient_size += rank * (first_link_[b + 1] - first_link_[b]) * 3;
       rank_sum += rank;
     }
     decode("basis", ElementType::i8, basis_size, prm_.basis);
-    decode("link_wavelet", ElementType::u32, links, prm_.link_wavelet);
-    decode("coefficient_scale", ElementType::f32, rank_sum * 3, prm_.coefficient_scale);
-    if (result_) return;
-    for (uint32_t b = 0; b < h.blocks; ++b)
-      for (uint32_t l = prm_.block_first_link[b]; l < prm_.block_first_link[b + 1]; ++l)
-        if (prm_.link_wavelet[l] >= WaveletTree::wavelets(h.clusters) || (l > prm_.block_first_link[b] && prm_.link_wavelet[l] < prm_.link_wavelet[l - 1]))
-          return void(bad("link_wavelet", "the links of a block do not ascend, or one is no wavelet"));
-    require(allFinite(prm_.coefficient_scale.data(), prm_.coefficient_scale.size()), "coefficient_scale", "a value is not finite");
-    loadCoefficients(coefficient_size);
+    loadLinks(links, rank_sum, coefficient_size);
     loadTree();
     loadRectangles();
   }
 
-  /// As stored: per block [rank][G, R - G, B - G][link].
-  void loadCoefficients(uint64_t size) {
-    Array<int8_t> stored;
-    decode("coefficient", ElementType::i8, size, stored);
-    constexpr size_t kReadOn = 24;  // vectors of amounts() end up to so many bytes later
-    if (!allocate(prm_.coefficient, size + kReadOn)) return;
-    std::memset(prm_.coefficient.data() + size, 0, kReadOn);
-    const int8_t* from = stored.data();
-    int8_t* to = prm_.coefficient.data();
-    for (uint32_t b = 0; b < prm_.header.blocks; ++b) {
-      const size_t links = prm_.block_first_link[b + 1] - prm_.block_first_link[b], rank = prm_.block_rank[b];
-      for (size_t k = 0; k < rank; ++k, from += links * 3)
-        for (size_t l = 0; l < links; ++l) {
-          const auto green = uint8_t(from[l]);
-          int8_t* rgb = to + (l * rank + k) * 3;
-          rgb[0] = int8_t(uint8_t(green + uint8_t(from[links + l])));
-          rgb[1] = int8_t(green);
-          rgb[2] = int8_t(uint8_t(green + uint8_t(from[2 * links + l])));
-        }
-      to += links * rank * 3;
-    }
+  void loadLinks(uint32_t links, uint64_t rank_sum, uint64_t coefficients) {
+    Array<uint32_t> wavelet;
+    Array<float> scale;
+    Array<int8_t> coefficient;
+    decode("link_wavelet", ElementType::u32, links, wavelet);
+    decode("coefficient_scale", ElementType::f32, rank_sum * 3, scale);
+    decode("coefficient", ElementType::i8, coefficients, coefficient);
+    if (result_) return;
+    const format::PrmHeader& h = prm_.header;
+    const uint64_t wavelets = WaveletTree::wavelets(h.clusters);
+    for (uint32_t b = 0; b < h.blocks; ++b)
+      for (uint32_t l = first_link_[b]; l < first_link_[b + 1]; ++l)
+        if (wavelet[l] >= wavelets || (l > first_link_[b] && wavelet[l] < wavelet[l - 1]))
+          return void(bad("link_wavelet", "the links of a block do not ascend, or one is no wavelet"));
+    if (!allFinite(scale.data(), scale.size())) return void(bad("coefficient_scale", "a value is not finite"));
+    const StoredLinks stored{h.blocks, size_t(wavelets), h.max_rank, prm_.block_rank.data(), prm_.block_first_texel.data(), prm_.basis.data(),
+                             first_link_.data(), wavelet.data(), scale.data(), coefficient.data()};
+    if (!prm_.links.load(container_.host, stored)) result_ = container_.host.fail(LW_OUT_OF_MEMORY, "prm: no memory for %u links", links);
   }
 
   void loadTree() {
@@ -216,6 +205,7 @@ class Loader {
 
   const lw_container& container_;
   lw_prm& prm_;
+  Array<uint32_t> first_link_;  // [blocks + 1]
   lw_result result_ = LW_OK;
 };
 

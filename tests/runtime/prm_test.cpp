@@ -115,6 +115,36 @@ TEST(PrmLocalBases, AreSummedAtTheirLimits) {
   }
 }
 
+/// What sums may leave out stays below the tolerance, near it for a large one, and is nothing for zero.
+TEST(PrmLocalBases, LeaveOutNoMoreThanTheTolerance) {
+  SyntheticOptions shape;
+  shape.layout = Layout::local_bases;
+  shape.clusters = 200, shape.blocks = 20;
+  const SyntheticPrm synthetic = makeSyntheticPrm(shape);
+  const Container container = openMemory(synthetic.container);
+  const Prm prm = loadPrm(container.get());
+  const auto irradiance = randomIrradiance(shape.clusters, 3);
+  std::vector<float> scratch(lw_prm_scratch_bytes(prm.get()) / sizeof(float)), exact(synthetic.source.size() * 4), atlas(exact.size());
+  lw_prm_options options = LW_PRM_OPTIONS_INIT;
+  options.emitters = LW_EMITTERS_OFF;
+  options.tolerance = 0;
+  ASSERT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), &options, scratch.data(), scratch.size() * sizeof(float), exact.data()), LW_OK);
+  EXPECT_LT(relrmse(exact, synthetic.evaluate(irradiance, LW_EMITTERS_OFF)), 2e-6);
+  double last = 0;
+  for (const float tolerance : {1e-3f, 1e-2f, 0.1f}) {
+    options.tolerance = tolerance;
+    ASSERT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), &options, scratch.data(), scratch.size() * sizeof(float), atlas.data()), LW_OK);
+    const double error = relrmse(atlas, exact);
+    EXPECT_LT(error, 2 * tolerance);
+    EXPECT_GT(error, last);
+    last = error;
+  }
+  for (const float bad : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()}) {
+    options.tolerance = bad;
+    EXPECT_EQ(lw_prm_evaluate(prm.get(), irradiance.data(), &options, scratch.data(), scratch.size() * sizeof(float), atlas.data()), LW_INVALID_ARGUMENT);
+  }
+}
+
 class PrmPanes : public PrmEvaluation {};
 
 TEST_P(PrmPanes, KeepsTheEnergyOfTheClustersLeftOut) {

@@ -300,8 +300,9 @@ typedef struct lw_prm_options {
   uint32_t fill;             /* 1: for display, gutters and buried texels show the value of their source (LW_ARRAY_ATLAS_SOURCE); 0: for
                                 measuring, each texel with a value has its own mean over the surface in it, others are zero */
   float sky_rgb[3];          /* factor on the sky's light, finite and ≥ 0: brighter, darker, another colour without a new bake */
+  float tolerance;           /* local bases: share of the light's root mean square that sums may leave out to be faster, 0 to 1; 0: none */
 } lw_prm_options;
-#define LW_PRM_OPTIONS_INIT {sizeof(lw_prm_options), 0, 1, LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT, 1, {1, 1, 1}}
+#define LW_PRM_OPTIONS_INIT {sizeof(lw_prm_options), 0, 1, LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT, 1, {1, 1, 1}, 0.0003f}
 
 /* Bytes of scratch memory that lw_prm_evaluate needs; 0 for a NULL prm. */
 LW_API size_t lw_prm_scratch_bytes(const lw_prm *prm);

@@ -91,7 +91,7 @@ lw_result lw_gl::compilePrograms() {
   if (!result)
     result = compileProgram(*this, "reconstruction", {kAddress, kLocalBases, kOwnValue, kReconstruct},
                      {"lw_texel_map", "lw_basis", "lw_amount", "u_constant", "u_buried"},
-                     {"lw_quads", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count"}, reconstruct);
+                     {"lw_quads", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count", "u_keep"}, reconstruct);
   if (!result)
     result = compileProgram(*this, "patch radiosity", {kAddress, kRadiosityPatches}, {"u_albedo", "u_emitted", "u_direct", "u_irradiance", "u_kept"},
                      {"u_patches", "u_light"}, radiosity_patches);

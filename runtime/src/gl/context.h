@@ -54,7 +54,7 @@ namespace panes_uniform {
 enum { weights, selected, texels, emitters, constants, sky, max, fill, buried_count };
 }
 namespace reconstruct_uniform {
-enum { quads, emitters, constants, sky, max, fill, buried_count };
+enum { quads, emitters, constants, sky, max, fill, buried_count, keep };
 }
 namespace radiosity_patches_uniform {
 enum { patches, light };

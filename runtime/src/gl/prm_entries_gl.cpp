@@ -99,6 +99,8 @@ lw_result lw_gl_update_entries(lw_gl_prm* prm, const lw_gl_light* lights, uint32
     drawLights(*prm, lights + done, batch, done > 0);
     done += batch;
   } while (done < count);
+  prm->clusters_in_entries = prm->entries_are_clusters;
+  if (prm->clusters_in_entries) return LW_OK;
 
   api.UseProgram(context.clusters.name);
   api.Uniform1i(context.clusters.uniform[clusters_uniform::clusters], int32_t(prm->clusters));
@@ -157,6 +159,7 @@ lw_result lw_gl_upload_cluster_irradiance(lw_gl_prm* prm, const float* irradianc
   }
   const Api& api = prm->context->api;
   const StateGuard guard(api);
+  prm->clusters_in_entries = false;
   bindUnit(api, 0, kTexture2d, prm->cluster.texture);
   api.TexSubImage2D(kTexture2d, 0, 0, 0, prm->cluster.width, prm->cluster.height, kTexelRgba32f.format, kTexelRgba32f.type, rgba.data());
   return LW_OK;

@@ -68,27 +68,39 @@ void evaluatePanes(const lw_gl_prm& prm, const lw_prm_options& options) {
 }
 
 /// Sums the blocks' amounts on the CPU, from the clusters' light as it was given or is read back, and uploads them.
-lw_result updateCoefficients(lw_gl_prm& prm) {
+lw_result updateCoefficients(lw_gl_prm& prm, float tolerance) {
   const Api& api = prm.context->api;
   float* cluster_rgb = prm.cluster_rgb.data();
   if (!prm.clusters_on_cpu) {
-    if (const lw_result result = readTarget(api, prm.host, prm.cluster, prm.cluster_rgba.data())) return result;
+    if (const lw_result result = readTarget(api, prm.host, clusterLight(prm), prm.cluster_rgba.data())) return result;
     for (size_t c = 0; c < prm.clusters; ++c) std::memcpy(cluster_rgb + c * 3, &prm.cluster_rgba[c * 4], 3 * sizeof(float));
     prm.clusters_on_cpu = true;
   }
+  const lw_prm& transport = *prm.transport;
+  prm.sums.update(transport, cluster_rgb, tolerance);
   const size_t layer = size_t(prm.amount_width) * size_t(prm.amount_height) * 4;
-  const float* amount_rgb = amounts(*prm.transport, cluster_rgb, prm.scratch.data());
   for (size_t block = 0; block < prm.blocks; ++block) {
-    const size_t rank = prm.transport->block_rank[block];
     float* first = &prm.amount_rgba[block * prm.quads * 4];
-    for (size_t k = 0; k < rank; ++k, amount_rgb += 3) std::memcpy(first + k % 4 * layer + k / 4 * 4, amount_rgb, 3 * sizeof(float));
+    const bool touched = prm.sums.touched(transport, block);
+    first[layer + 3] = touched ? 0.0f : 1.0f;
+    if (!touched) continue;
+    const float *sum = prm.sums.sums(transport, block), *scale = transport.links.scale(block);
+    for (size_t k = 0; k < transport.block_rank[block]; ++k)
+      for (size_t c = 0; c < 3; ++c) first[k % 4 * layer + k / 4 * 4 + c] = sum[k * 3 + c] * scale[k * 3 + c];
   }
   bindUnit(api, 0, kTexture2dArray, prm.amount);
   api.TexSubImage3D(kTexture2dArray, 0, 0, 0, 0, prm.amount_width, prm.amount_height, 4, kTexelRgba32f.format, kTexelRgba32f.type, prm.amount_rgba.data());
   return LW_OK;
 }
 
-void reconstruct(const lw_gl_prm& prm, const lw_prm_options& options) {
+/// Whether the atlas still shows what these options ask for wherever sums have not changed.
+bool keepsUntouched(const lw_gl_prm& prm, const lw_prm_options& options) {
+  const lw_prm_options& drawn = prm.drawn_options;
+  return prm.owns_atlas && prm.drawn && drawn.emitters == options.emitters && drawn.fill == options.fill &&
+         std::memcmp(drawn.sky_rgb, options.sky_rgb, sizeof options.sky_rgb) == 0;
+}
+
+void reconstruct(lw_gl_prm& prm, const lw_prm_options& options) {
   const lw_gl& context = *prm.context;
   const Api& api = context.api;
   const Program& program = context.reconstruct;
@@ -98,10 +110,14 @@ void reconstruct(const lw_gl_prm& prm, const lw_prm_options& options) {
   api.Uniform1f(program.uniform[reconstruct_uniform::max], prm.max_value);
   api.Uniform1i(program.uniform[reconstruct_uniform::fill], int32_t(options.fill));
   api.Uniform1i(program.uniform[reconstruct_uniform::buried_count], int32_t(prm.buried_count));
+  api.Uniform1i(program.uniform[reconstruct_uniform::keep], keepsUntouched(prm, options));
   bindUnit(api, 0, kTexture2d, prm.texel_map);
   bindUnit(api, 1, kTexture2dArray, prm.basis);
   bindUnit(api, 2, kTexture2dArray, prm.amount);
   drawInto(prm, prm.atlas);
+  prm.drawn = true;
+  prm.drawn_options = options;
+  prm.sums.forget(*prm.transport);
 }
 
 lw_result readRgb(const lw_gl_prm& prm, const Target& target, uint32_t count, float* rgb) {
@@ -127,7 +143,7 @@ lw_result lw_gl_evaluate(lw_gl_prm* prm, const lw_prm_options* given) {
   if (prm->panes) {
     evaluatePanes(*prm, options);
   } else {
-    if (const lw_result result = updateCoefficients(*prm)) return result;
+    if (const lw_result result = updateCoefficients(*prm, options.tolerance)) return result;
     reconstruct(*prm, options);
   }
   return LW_OK;
@@ -137,7 +153,8 @@ lw_result lw_gl_update_coefficients(lw_gl_prm* prm) {
   if (!prm) return LW_INVALID_ARGUMENT;
   if (prm->panes) return prm->host.fail(LW_INVALID_ARGUMENT, "panes have no coefficients");
   const StateGuard guard(prm->context->api);
-  return updateCoefficients(*prm);
+  constexpr lw_prm_options kDefault = LW_PRM_OPTIONS_INIT;
+  return updateCoefficients(*prm, kDefault.tolerance);
 }
 
 lw_result lw_gl_bind_local_bases(lw_gl_prm* prm, uint32_t program, uint32_t first_unit) {
@@ -174,7 +191,7 @@ lw_result lw_gl_read_entries(lw_gl_prm* prm, float* rgb) {
 }
 
 lw_result lw_gl_read_clusters(lw_gl_prm* prm, float* rgb) {
-  return prm && rgb ? readRgb(*prm, prm->cluster, prm->clusters, rgb) : LW_INVALID_ARGUMENT;
+  return prm && rgb ? readRgb(*prm, clusterLight(*prm), prm->clusters, rgb) : LW_INVALID_ARGUMENT;
 }
 
 lw_result lw_gl_read_atlas(lw_gl_prm* prm, float* rgba) {

@@ -2,6 +2,7 @@
 #pragma once
 #include "runtime/src/gl/context.h"
 #include "runtime/src/gl/texture.h"
+#include "runtime/src/running_sums.h"
 
 struct lw_gl_prm {
   using Name = lightwell::runtime::gl::Name;
@@ -22,6 +23,8 @@ struct lw_gl_prm {
   Target entry[2];                            // irradiance; light after light they take turns
   uint32_t current_entry = 0;
   Target cluster;                             // mean irradiance, contribution
+  bool entries_are_clusters = false;          // one entry each, of weight 1: after lw_gl_update_entries their light is the clusters'
+  bool clusters_in_entries = false;           // and so the clusters' light now lies in entry[current_entry]
 
   // RG32UI, width × height: what a texel shows. Panes: index of the value, 0. Local bases: address of the basis, block. 0xffffffff:
   // nothing. The highest bit of the second is set where it is another texel's value.
@@ -44,11 +47,16 @@ struct lw_gl_prm {
   Name amount = 0;                            // RGBA32F, 4 layers of amount_width × amount_height
   int32_t amount_width = 0, amount_height = 0;
   lightwell::runtime::Array<float> cluster_rgba, cluster_rgb;  // staging: as read back, or as given; [clusters][3]
-  lightwell::runtime::Array<float> scratch, amount_rgba;
+  lightwell::runtime::RunningSums sums;
+  lightwell::runtime::Array<float> amount_rgba;  // [4][amount_height][amount_width][4], as uploaded
   bool clusters_on_cpu = false;               // cluster_rgb holds what the cluster texture does
+  bool drawn = false;                         // the atlas holds the last reconstruction, with these options:
+  lw_prm_options drawn_options = LW_PRM_OPTIONS_INIT;
 };
 
 namespace lightwell::runtime::gl {
+
+inline const Target& clusterLight(const lw_gl_prm& prm) { return prm.clusters_in_entries ? prm.entry[prm.current_entry] : prm.cluster; }
 
 /// Draws one triangle over the target with the program that is in use. Inside a StateGuard.
 void drawInto(const lw_gl_prm& prm, const Target& target);

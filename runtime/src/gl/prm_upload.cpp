@@ -52,6 +52,8 @@ class Uploader : ListUploader {
   }
 
   void uploadEntries() {
+    out_.entries_are_clusters = !out_.panes && out_.entries == out_.clusters;
+    for (const float weight : prm_.entry_weight) out_.entries_are_clusters &= weight == 1.0f;
     Array<float> rgba;
     if (!allocate(rgba, uint64_t(out_.entries) * 4)) return;
     for (size_t e = 0; e < out_.entries; ++e) {
@@ -217,9 +219,10 @@ class Uploader : ListUploader {
     out_.amount_width = int32_t(std::min<uint64_t>(count, 2048));
     out_.amount_height = int32_t((count + 2047) / 2048);  // at most 2048: kMaxTargetElements
     const uint64_t padded = uint64_t(out_.amount_width) * uint64_t(out_.amount_height);
-    if (!allocate(out_.amount_rgba, padded * 16) || !allocate(out_.scratch, amountScratchFloats(prm_)) || !allocate(out_.cluster_rgb, uint64_t(out_.clusters) * 3) ||
+    if (!allocate(out_.amount_rgba, padded * 16) || !allocate(out_.cluster_rgb, uint64_t(out_.clusters) * 3) ||
         !allocate(out_.cluster_rgba, uint64_t(out_.cluster.width) * uint64_t(out_.cluster.height) * 4))
       return;
+    if (!out_.sums.allocate(out_.host, prm_)) return void(result_ = out_.host.fail(LW_OUT_OF_MEMORY, "no memory for the sums of %u blocks", out_.blocks));
     std::memset(out_.amount_rgba.data(), 0, out_.amount_rgba.bytes());
     for (uint32_t b = 0; b < out_.blocks; ++b) out_.amount_rgba[size_t(b) * out_.quads * 4 + 3] = float(prm_.block_rank[b]);
     out_.amount = createLayers(api_, kTexelRgba32f, out_.amount_width, out_.amount_height, 4, out_.amount_rgba.data(), out_.texture_bytes);

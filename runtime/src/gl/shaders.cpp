@@ -65,7 +65,8 @@ vec3 lwAtlasIrradiance(sampler2D atlas, vec2 lightmap_uv) {
 vec3 lwDiffuseRadiance(vec3 albedo, vec3 irradiance) { return albedo * irradiance * 0.31830988618; }
 )";
 
-// The amounts of rank r = 4 q + j of a block lie in layer j at index block * quads + q; the first one's alpha is the block's rank. The map
+// The amounts of rank r = 4 q + j of a block lie in layer j at index block * quads + q; the first one's alpha is the block's rank,
+// the second's is 1 where the amounts are those of the last reconstruction. The map
 // holds, per atlas texel, the address of its basis (four ranks in each RGBA) and its block, the highest bit set where it shows another's.
 const char kLocalBases[] = R"(
 #ifdef GL_ES
@@ -328,11 +329,17 @@ void main() {
 
 const char kReconstruct[] = R"(
 uniform float u_max;
+uniform int u_keep;                   // 1: texels of blocks that have not changed keep what they show
 out vec4 o_irradiance;
 void main() {
   ivec2 texel = ivec2(gl_FragCoord.xy);
   int place;
-  vec4 value = lwLocalBasesEntry(lwEntry(lw_texel_map, texel, place));
+  uvec2 entry = lwEntry(lw_texel_map, texel, place);
+  if (u_keep != 0) {
+    int pixel = int(entry.g & 0x7fffffffu) * lw_quads;
+    if (entry.r == 0xffffffffu || texelFetch(lw_amount, ivec3(pixel & 2047, pixel >> 11, 1), 0).a > 0.5) discard;
+  }
+  vec4 value = lwLocalBasesEntry(entry);
   if (value.a > 0.0) value.rgb = min(value.rgb + lwConstant(texel.y * textureSize(lw_texel_map, 0).x + texel.x, place), vec3(u_max));
   o_irradiance = value;
 }

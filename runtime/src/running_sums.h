@@ -1,0 +1,27 @@
+// The sums of local bases from frame to frame: what has not changed is not summed again.
+#pragma once
+#include "runtime/src/prm.h"
+
+namespace lightwell::runtime {
+
+class RunningSums {
+ public:
+  /// False when there is no memory.
+  bool allocate(const Host& host, const lw_prm& prm);
+
+  /// Brings the sums to the light `cluster_rgb`, [clusters][3], up to `tolerance` of its root mean square.
+  void update(const lw_prm& prm, const float* cluster_rgb, float tolerance);
+
+  /// [PrmLinks::stride()] of a block.
+  const float* sums(const lw_prm& prm, size_t block) const { return SumMemory(prm, scratch_.data()).sums + block * prm.links.stride(); }
+  /// Whether a block's sums changed since the last forget().
+  bool touched(const lw_prm& prm, size_t block) const { return SumMemory(prm, scratch_.data()).touched[block] != 0; }
+  void forget(const lw_prm& prm);
+
+ private:
+  mutable Array<float> scratch_;
+  uint32_t updates_ = 0;  // since all was summed anew
+  float brightest_ = 0;   // wavelet in those updates
+};
+
+}  // namespace lightwell::runtime
