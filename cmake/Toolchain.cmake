@@ -19,3 +19,6 @@ if(LIGHTWELL_SANITIZE)
   add_compile_options(-fsanitize=${LIGHTWELL_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g)
   add_link_options(-fsanitize=${LIGHTWELL_SANITIZE})
 endif()
+if(LIGHTWELL_BUILD_FUZZERS)
+  add_compile_options(-fsanitize=fuzzer-no-link)  # the fuzzers see which branches of every library an input takes
+endif()

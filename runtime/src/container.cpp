@@ -30,8 +30,8 @@ lw_result findChunk(const lw_container& container, std::string_view section, std
 lw_result findChunk(const lw_container& container, std::string_view section, std::string_view name, format::ElementType element,
                     const format::ChunkInfo*& chunk) {
   const lw_result result = findChunk(container, section, name, chunk);
-  // The section's header promises the chunk, so that its absence is damage.
-  if (result == LW_NOT_FOUND) return LW_BAD_SECTION;
+  // A section that is there promises the chunk, so that its absence is damage.
+  if (result == LW_NOT_FOUND) return container.view.findSection(section) ? LW_BAD_SECTION : LW_NOT_FOUND;
   if (result) return result;
   return chunk->element == element ? LW_OK : badSection(container, *chunk, "it has another element type than its section demands");
 }

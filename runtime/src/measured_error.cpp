@@ -25,7 +25,7 @@ void copyText(std::string_view text, char* to, size_t capacity) {
   size_t size = text.size() < capacity ? text.size() : capacity - 1;
   if (size < text.size())
     while (size > 0 && (uint8_t(text[size]) & 0xc0) == 0x80) --size;
-  std::memcpy(to, text.data(), size);
+  if (size > 0) std::memcpy(to, text.data(), size);  // empty text may be null
   to[size] = 0;
 }
 

@@ -54,7 +54,7 @@ class Loader : SectionLoader {
     uint32_t at = 0;
     const auto keep = [&](std::string_view name) {
       const uint32_t begin = at;
-      std::memcpy(&r_.names[at], name.data(), name.size());
+      if (!name.empty()) std::memcpy(&r_.names[at], name.data(), name.size());
       at += uint32_t(name.size());
       r_.names[at++] = '\0';
       return begin;

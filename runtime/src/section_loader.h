@@ -20,8 +20,9 @@ class SectionLoader {
   }
   /// The number of elements of a chunk whose size no header gives.
   uint64_t elementsOf(const char* name) {
-    const format::ChunkInfo* chunk = result_ ? nullptr : container_.view.findChunk(section_, name);
-    require(chunk != nullptr, name, "the chunk is missing");
+    const format::ChunkInfo* chunk = nullptr;
+    if (!result_) result_ = findChunk(container_, section_, name, chunk);
+    if (result_ == LW_NOT_FOUND && container_.view.findSection(section_)) result_ = LW_BAD_SECTION;
     require(!chunk || chunk->elements <= UINT32_MAX, name, "it is too long");
     return chunk && !result_ ? chunk->elements : 0;
   }

@@ -60,7 +60,7 @@ class OpenExrRows : public RowSource {
   void visitRows(const RowVisitor& visit) override {
     const Imath::Box2i &display = header().displayWindow(), &data = header().dataWindow();
     std::vector<Rgb> stored(size_t(int64_t(data.max.x) - data.min.x + 1)), row(static_cast<size_t>(width()));
-    Imf::InputPart in(file_, part_);
+    Imf::InputPart in = openPart();
     const int64_t first = std::max(display.min.x, data.min.x), last = std::min(display.max.x, data.max.x);
     for (int64_t y = display.min.y; y <= display.max.y; ++y) {
       std::fill(row.begin(), row.end(), Rgb(0, 0, 0));
@@ -78,6 +78,15 @@ class OpenExrRows : public RowSource {
   Imath::Vec2<int64_t> displaySize() const {
     const Imath::Box2i& w = header().displayWindow();
     return {int64_t(w.max.x) - w.min.x + 1, int64_t(w.max.y) - w.min.y + 1};
+  }
+
+  /// OpenEXR looks at some of the header only now.
+  Imf::InputPart openPart() {
+    try {
+      return Imf::InputPart(file_, part_);
+    } catch (const std::exception& error) {
+      fail("part " + std::to_string(part_), error.what());
+    }
   }
 
   int choosePart() const {
