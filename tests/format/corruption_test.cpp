@@ -1,5 +1,9 @@
-// Damage anywhere in a file is found: every bit, every length, header, directory, chunks and padding alike.
+// Damage anywhere in a file is found: every byte, every length, header, directory, chunks and padding alike.
 #include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <random>
+#include <set>
 
 #include "format/encode/verify.h"
 #include "tests/format/content.h"
@@ -10,7 +14,7 @@ namespace {
 
 bool sound(const std::vector<uint8_t>& file) { return isSound(verify(memorySource(file.data(), file.size()))); }
 
-class Damage : public testing::TestWithParam<const char*> {
+class Damage : public testing::TestWithParam<std::string> {
  protected:
   std::vector<uint8_t> file() const {
     for (GoldenFile& golden : goldenFiles())
@@ -19,16 +23,29 @@ class Damage : public testing::TestWithParam<const char*> {
   }
 };
 
-TEST_P(Damage, EveryBitIsFound) {
+/// Every bit of every byte; with LIGHTWELL_DAMAGE=all every other value of it.
+TEST_P(Damage, EveryChangedByteIsFound) {
   std::vector<uint8_t> bytes = file();
   ASSERT_FALSE(bytes.empty());
   ASSERT_TRUE(sound(bytes));
+  const bool all = std::getenv("LIGHTWELL_DAMAGE");
   for (size_t i = 0; i < bytes.size(); ++i)
-    for (int bit = 0; bit < 8; ++bit) {
-      bytes[i] ^= uint8_t(1 << bit);
-      ASSERT_FALSE(sound(bytes)) << "byte " << i << " bit " << bit;
-      bytes[i] ^= uint8_t(1 << bit);
+    for (int change = 1; change < 256; change = all ? change + 1 : change * 2) {
+      bytes[i] ^= uint8_t(change);
+      ASSERT_FALSE(sound(bytes)) << "byte " << i << " xor " << change;
+      bytes[i] ^= uint8_t(change);
     }
+}
+
+TEST_P(Damage, SeveralChangedBytesAreFound) {
+  const std::vector<uint8_t> bytes = file();
+  std::mt19937 random(7);
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<uint8_t> damaged = bytes;
+    const size_t from = random() % damaged.size(), count = 1 + random() % 64;
+    for (size_t k = from; k < std::min(damaged.size(), from + count); ++k) damaged[k] = uint8_t(random());
+    ASSERT_TRUE(damaged == bytes || !sound(damaged)) << i;
+  }
 }
 
 TEST_P(Damage, EveryTruncationIsFound) {
@@ -52,13 +69,29 @@ TEST_P(Damage, EveryExtensionIsFound) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Golden, Damage,
-                         testing::Values("valid/empty.lwc", "valid/every_codec.lwc", "valid/panes.lwc", "valid/local_bases.lwc",
-                                         "valid/later_optional.lwc"),
-                         [](const auto& info) {
-                           const std::string path = info.param;
-                           return path.substr(6, path.size() - 10);
-                         });
+std::vector<std::string> validFiles() {
+  std::vector<std::string> paths;
+  for (const GoldenFile& golden : goldenFiles())
+    if (golden.path.starts_with("valid/")) paths.push_back(golden.path);
+  return paths;
+}
+
+INSTANTIATE_TEST_SUITE_P(Golden, Damage, testing::ValuesIn(validFiles()),
+                         [](const auto& info) { return info.param.substr(6, info.param.size() - 10); });
+
+/// So that the files above hold every section that there is.
+TEST(Damage, IsDoneToEverySection) {
+  std::set<std::string> sections;
+  for (const std::string& path : validFiles())
+    for (const GoldenFile& golden : goldenFiles())
+      if (golden.path == path) {
+        View view;
+        ASSERT_FALSE(view.open(memorySource(golden.bytes.data(), golden.bytes.size())));
+        for (const SectionInfo& section : view.sections())
+          if (section.known) sections.insert(std::string(section.type));
+      }
+  for (const KnownSection& known : kKnownSections) EXPECT_TRUE(sections.contains(known.type)) << known.type;
+}
 
 TEST(Damage, EveryValueOfEveryByteOfASmallFile) {
   Writer writer;
