@@ -225,7 +225,7 @@ bool parseRadiosityHeader(const uint8_t* message, size_t bytes, RadiosityHeader&
   return reader.ok();
 }
 
-bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity) {
+bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* light, uint32_t index) {
   header = {};
   WireReader reader(message, bytes);
   Vector<double, 3> origin{header.origin_m};
@@ -235,9 +235,9 @@ bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header,
       case 2: bounds_min.append(reader); break;
       case 3: bounds_max.append(reader); break;
       case 4: {
-        Light light;
-        if (!parseLight(reader.bytes(), light)) return false;
-        if (lights && header.light_count < light_capacity) lights[header.light_count] = light;
+        Light next;
+        if (!parseLight(reader.bytes(), next)) return false;
+        if (light && header.light_count == index) *light = next;
         ++header.light_count;
         break;
       }

@@ -100,8 +100,8 @@ bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& h
 bool parseVplHeader(const uint8_t* message, size_t bytes, VplHeader& header);
 bool parsePointsHeader(const uint8_t* message, size_t bytes, PointsHeader& header);
 bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header);
-/// `lights` may be null; otherwise it receives the first `light_capacity` lights. SceneHeader::light_count counts all.
-bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t light_capacity);
+/// `light` may be null; otherwise it receives light number `index`, if there is one.
+bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* light, uint32_t index);
 
 /// The errors of a MetaHeader, whose other fields are skipped: how many there are of `section` (empty: of all), and number `index` of these, untouched when there are fewer.
 bool parseMetaErrors(const uint8_t* message, size_t bytes, std::string_view section, uint32_t index, MeasuredError& error, uint32_t& count);

@@ -33,7 +33,7 @@ std::string lightFault(const v1::Light& light) {
   }
   if (light.type() == v1::LIGHT_TYPE_SPOT &&
       !(light.inner_cone_angle() >= 0 && light.inner_cone_angle() < light.outer_cone_angle() &&
-        light.outer_cone_angle() <= std::numbers::pi / 2 + 1e-5))
+        light.outer_cone_angle() <= float(std::numbers::pi / 2)))
     return "has cone angles out of order";
   if (!(light.range() >= 0) || !std::isfinite(light.range())) return "has a range that is negative or not finite";
   return {};

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "runtime/src/light.h"
+
 using namespace lightwell;
 using namespace lightwell::runtime;
 
@@ -168,9 +170,9 @@ int lw_has_section(const lw_container* container, const char* section) {
 
 namespace {
 
-lw_result readScene(const lw_container& container, format::SceneHeader& header, format::Light* lights, size_t capacity) {
+lw_result readScene(const lw_container& container, format::SceneHeader& header, format::Light* light, uint32_t index) {
   if (const lw_result result = readHeader(container, "scene", [&](const Array<uint8_t>& message) {
-        return format::parseSceneHeader(message.data(), message.size(), header, lights, capacity);
+        return format::parseSceneHeader(message.data(), message.size(), header, light, index);
       }))
     return result;
   bool finite = allFinite(header.bounds_min_m, 3) && allFinite(header.bounds_max_m, 3);
@@ -196,14 +198,9 @@ lw_result lw_get_scene_info(const lw_container* container, lw_scene_info* info) 
 lw_result lw_get_light(const lw_container* container, uint32_t index, lw_light* light) {
   if (!container || !light) return LW_INVALID_ARGUMENT;
   format::SceneHeader header;
-  lw_result result = readScene(*container, header, nullptr, 0);
-  if (result) return result;
+  format::Light from;
+  if (const lw_result result = readScene(*container, header, &from, index)) return result;
   if (index >= header.light_count) return container->host.fail(LW_NOT_FOUND, "the scene has no light %u", index);
-  Array<format::Light> lights;
-  if (!lights.allocate(container->host, size_t(index) + 1)) return container->host.fail(LW_OUT_OF_MEMORY, "no memory for the lights");
-  for (format::Light& l : lights) new (&l) format::Light;
-  if ((result = readScene(*container, header, lights.data(), lights.size()))) return result;
-  const format::Light& from = lights[index];
   if (from.type == format::LightType::unknown)
     return container->host.fail(LW_TOO_NEW, "scene/header: light %u is of an unknown type", index);
   lw_light to{};
@@ -214,6 +211,8 @@ lw_result lw_get_light(const lw_container* container, uint32_t index, lw_light* 
   to.inner_cone_angle_rad = from.inner_cone_angle;
   to.outer_cone_angle_rad = from.outer_cone_angle;
   to.range_m = from.range_m;
+  PackedLight packed;
+  if (const char* reason = packLight(to, packed)) return container->host.fail(LW_BAD_SECTION, "scene/header: light %u: %s", index, reason);
   *light = to;
   return LW_OK;
 }

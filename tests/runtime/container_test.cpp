@@ -352,5 +352,48 @@ TEST(Container, ResultsAreTheFormatsStatuses) {
   EXPECT_EQ(int32_t(format::Status::invalid_argument), LW_INVALID_ARGUMENT);
 }
 
+TEST(Container, SectionsThatAreNotThereAreNotFound) {
+  const std::vector<uint8_t> bytes = format::Writer().bytes();
+  const Container container = openMemory(bytes);
+  lw_scene_info scene;
+  lw_light light;
+  lw_atlas_info atlas;
+  lw_prm* prm;
+  lw_radiosity* radiosity;
+  lw_lightmap* lightmap;
+  lw_virtual_lights* lights;
+  lw_points* points;
+  lw_environment* environment;
+  EXPECT_EQ(lw_get_scene_info(container.get(), &scene), LW_NOT_FOUND);
+  EXPECT_EQ(lw_get_light(container.get(), 0, &light), LW_NOT_FOUND);
+  EXPECT_EQ(lw_get_atlas_info(container.get(), &atlas), LW_NOT_FOUND);
+  EXPECT_EQ(lw_prm_load(container.get(), &prm), LW_NOT_FOUND);
+  EXPECT_EQ(lw_radiosity_load(container.get(), &radiosity), LW_NOT_FOUND);
+  EXPECT_EQ(lw_lightmap_load(container.get(), &lightmap), LW_NOT_FOUND);
+  EXPECT_EQ(lw_virtual_lights_load(container.get(), &lights), LW_NOT_FOUND);
+  EXPECT_EQ(lw_points_load(container.get(), &points), LW_NOT_FOUND);
+  EXPECT_EQ(lw_environment_load(container.get(), &environment), LW_NOT_FOUND);
+}
+
+TEST(Container, LightsThatCannotShineAreDamage) {
+  for (const float bad : {-1.0f, NAN, INFINITY}) {
+    v1::SceneHeader scene;
+    for (int i = 0; i < 3; ++i) scene.add_origin(0), scene.add_bounds_min(0), scene.add_bounds_max(1);
+    for (const float intensity : {1.0f, bad}) {
+      v1::Light& light = *scene.add_lights();
+      light.set_type(v1::LIGHT_TYPE_POINT);
+      for (int i = 0; i < 3; ++i) light.add_position(0), light.add_direction(0), light.add_intensity(intensity);
+    }
+    format::Writer writer;
+    writer.addSection("scene");
+    writer.addMessage("scene", "header", scene);
+    const std::vector<uint8_t> bytes = writer.bytes();
+    const Container container = openMemory(bytes);
+    lw_light light;
+    EXPECT_EQ(lw_get_light(container.get(), 0, &light), LW_OK);
+    EXPECT_EQ(lw_get_light(container.get(), 1, &light), LW_BAD_SECTION) << bad;
+  }
+}
+
 }  // namespace
 }  // namespace lightwell::test
