@@ -60,7 +60,13 @@ void summarise(Console& console, const bake::Baked& baked, const fs::path& outpu
                   100 * e.relrmse_high(), 100 * e.texrel(), 100 * e.texrel_low(), 100 * e.texrel_high(), 100 * e.bias(), 100 * e.maximum());
     console.line("  error of " + e.section() + text + e.against() + ")");
   }
-  for (const auto& o : outcome.omitted) console.line("  without " + o.type + ": " + o.reason);
+  // Seconds by the rate of this bake: rays are most of what it does.
+  const double seconds_per_ray = report.rays ? report.seconds / double(report.rays) : 0;
+  for (const auto& o : outcome.omitted) {
+    std::string saved = o.decoded_bytes ? " (saves " + formatBytes(double(o.decoded_bytes)) + " decoded" : "";
+    if (o.rays) saved += (saved.empty() ? " (saves " : ", ") + ("about " + formatDuration(double(o.rays) * seconds_per_ray));
+    console.line("  without " + o.type + ": " + o.reason + saved + (saved.empty() ? "" : ")"));
+  }
 }
 
 std::unique_ptr<bake::ResultStore> openStore(const Options& options, Diagnostics& diagnostics) {

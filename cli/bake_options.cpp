@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "cli/command.h"
+#include "precompute/plan/light_paths.h"
 #include "precompute/plan/probe_points.h"
 
 namespace lightwell::cli {
@@ -33,6 +34,14 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
       ->type_name("BYTES")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 50));
   addLights(command, options.request.source.lights);
+  command
+      .add_option("--moving-lights", options.moving_lights,
+                  "Which lights the game moves or changes: anywhere, ceilings (lamps under them), sun, lamps (those of the scene, where they are), none (then auto bakes a light map), or a "
+                  "file of places and paths {\"paths\": [[[x, y, z], ...], ...]}, metres in the scene's own coordinates. Bases fit these best; others still keep their energy")
+      ->type_name("NAME|PATHS.json")
+      ->capture_default_str();
+  command.add_flag("--no-geometry", options.no_geometry, "Leave out the surfaces, for a game that has its own to draw and to cast shadows; evaluate and render need them");
+  command.add_flag("--keep-all", options.request.settings.keep_all, "Bake what the plan finds no use for, too: the sky of a closed room");
   command.add_option("--prm-layout", options.prm_layout, "Form of the section prm: local-bases, or the paper's panes, one per cluster")
       ->type_name("NAME")
       ->check(CLI::IsMember(plan::prmLayoutNames()))
@@ -120,6 +129,14 @@ void resolve(BakeOptions& options) {
   settings.portals.erase(std::unique(settings.portals.begin(), settings.portals.end()), settings.portals.end());
   settings.quality = *plan::qualityNamed(options.quality);
   settings.prm_layout = *plan::prmLayoutNamed(options.prm_layout);
+  settings.geometry = !options.no_geometry;
+  if (const auto named = plan::movingLightsNamed(options.moving_lights)) {
+    settings.moving_lights = *named;
+  } else {
+    checkReadable(options.moving_lights);
+    settings.moving_lights = plan::MovingLights::paths;
+    settings.light_paths_m = plan::readLightPaths(options.moving_lights);
+  }
   settings.virtual_light = *plan::virtualLightShapeNamed(options.virtual_light);
   settings.prm_estimator = *plan::prmEstimatorNamed(options.prm_estimator);
   settings.probe_spacing_m = probeSpacing(options.probe_spacing);
@@ -131,6 +148,7 @@ void resolve(BakeOptions& options) {
   plan::checkRadiosity(settings);
   plan::checkLightmap(settings);
   plan::checkVirtualLights(settings);
+  plan::checkMovingLights(settings);
   plan::checkEnvironment(settings);
   const bake::SceneSource& source = options.request.source;
   bake::checkSource(source, settings);

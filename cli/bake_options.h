@@ -14,6 +14,8 @@ struct BakeOptions {
   std::string techniques = "auto", quality = "production";
   std::string probe_spacing = "0";
   std::optional<std::filesystem::path> probes;
+  std::string moving_lights = "anywhere";
+  bool no_geometry = false;
   std::string virtual_light = "auto";
   std::string prm_layout = "local-bases", prm_estimator = "gather";
 };

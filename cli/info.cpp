@@ -163,7 +163,7 @@ json documentOf(const format::Reader& reader) {
                 {"provenance", nullptr}};
   if (!reader.has("meta", "header")) return document;
   const auto meta = reader.meta();
-  for (const auto& o : meta.omitted()) document["omitted"].push_back({{"type", o.type()}, {"reason", o.reason()}});
+  for (const auto& o : meta.omitted()) document["omitted"].push_back({{"type", o.type()}, {"reason", o.reason()}, {"decoded_bytes", o.decoded_bytes()}, {"rays", o.rays()}});
   for (const auto& e : meta.errors())
     document["errors"].push_back(bake::errorJson(e));
   const auto& p = meta.provenance();
@@ -242,7 +242,12 @@ void printForPeople(const json& d) {
         (e.contains("maximum") ? ", maximum " + percentText(e["maximum"]) + intervalText(e, "maximum_interval") : "") + " against " + e["against"].get<std::string>() +
         (e.contains("seconds") ? ", baked in " + formatDuration(e["seconds"].get<double>()) : ""));
   if (isThereForPortals(d)) out("with radiosity: the scene has portals, which the other sections have as they are in the file");
-  for (const auto& o : d["omitted"]) out("without " + o["type"].get<std::string>() + ": " + o["reason"].get<std::string>());
+  for (const auto& o : d["omitted"]) {
+    const double bytes = o["decoded_bytes"].get<double>(), rays = o["rays"].get<double>();
+    std::string saved = bytes > 0 ? " (saves " + formatBytes(bytes) + " decoded" : "";
+    if (rays > 0) saved += (saved.empty() ? " (saves " : ", ") + formatCount(rays) + " rays";
+    out("without " + o["type"].get<std::string>() + ": " + o["reason"].get<std::string>() + saved + (saved.empty() ? "" : ")"));
+  }
 }
 
 void run(const Options& options) {

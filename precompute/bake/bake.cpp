@@ -36,12 +36,31 @@ v1::MetaHeader metaOf(const BakeContext& context, const std::vector<plan::Omitte
     const std::string place = warning.place == file ? file.filename().string() : warning.place;
     provenance.add_warnings((place.empty() ? "" : place + ": ") + warning.message);
   }
-  for (const auto& [type, reason] : omitted) {
+  for (const auto& o : omitted) {
     v1::Omitted* out = header.add_omitted();
-    out->set_type(type);
-    out->set_reason(reason);
+    out->set_type(o.type);
+    out->set_reason(o.reason);
+    out->set_decoded_bytes(o.decoded_bytes);
+    out->set_rays(o.rays);
   }
   return header;
+}
+
+/// What the sections that were left out would have had and cost, where that is known without baking them.
+void addSavings(std::vector<plan::Omitted>& omitted, const BakeContext& context, const plan::Settings& settings) {
+  constexpr uint64_t kBytesPerVertex = 24, kBytesPerTriangle = 13, kBytesPerTexel = 8;  // decoded; panes: direct and indirect
+  constexpr uint64_t kBytesPerEnvironmentSample = 44, kBytesPerSkyCell = 6;
+  const scene::Mesh& mesh = context.scene().mesh;
+  const uint64_t sky_cells = 6ull * settings.sky_face_cells * settings.sky_face_cells;
+  for (auto& o : omitted) {
+    if (o.type == "geometry") o.decoded_bytes = mesh.positions.size() * kBytesPerVertex + mesh.triangles.size() * kBytesPerTriangle;
+    if (o.type == "environment" && context.facts().has_environment)
+      o.decoded_bytes = settings.environment_samples * kBytesPerEnvironmentSample + sky_cells * kBytesPerSkyCell;
+    if (o.type == "prm.sky" && context.facts().has_sky_light) {
+      o.decoded_bytes = context.atlas().slots.size() * kBytesPerTexel;
+      o.rays = skyRays(context, settings);
+    }
+  }
 }
 
 /// Some of the container task's inputs.
@@ -113,10 +132,8 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   format::Writer writer({.zstd_level = kZstdLevel});
   addMetaSection(writer, meta);
   if (context.facts().has_scene) addSceneSection(writer, context.scene());
-  if (plan.surface_sections) {
-    addGeometrySection(writer, context.scene(), context.atlas());
-    addAtlasSection(writer, context.atlas());
-  }
+  if (plan.geometry) addGeometrySection(writer, context.scene(), context.atlas());
+  if (plan.atlas) addAtlasSection(writer, context.atlas());
   in.cancel.check();
   if (prm) addPrmSection(writer, *prm, sky, context.scene().metres_per_unit);
   in.cancel.check();
@@ -139,9 +156,10 @@ const char* productVersion() { return LIGHTWELL_VERSION; }
 BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options, TaskRunner& tasks) {
   BakeGraph result{TaskGraph(productVersion()), 0, {}};
   plan::Plan plan = plan::makePlan(context.facts(), options.settings);
-  const transport::PrmSettings prm_settings = prmSettings(options.settings);
+  const transport::PrmSettings prm_settings = prmSettings(options.settings, context.scene());
   std::shared_ptr<const transport::PrmBaker> baker;
   if (plan.prm) {
+    checkPrior(context, prm_settings.prior);
     baker = makePrmBaker(context, prm_settings, tasks);
     if (baker->blockCount() == 0 || baker->groupCount() == 0) {
       plan.prm = plan.prm_sky = false;
@@ -202,6 +220,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     if (tasks.measured) parts.environment_errors = take({*tasks.measured});
   }
 
+  addSavings(plan.omitted, context, options.settings);
   const v1::MetaHeader meta = metaOf(context, plan.omitted, options);
   const std::string parameters =
       context.keys().surfaces.hex() + context.keys().lights.hex() + context.keys().portals.hex() + context.skyKey().hex() + meta.SerializeAsString();

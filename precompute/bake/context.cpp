@@ -6,6 +6,7 @@
 
 #include "precompute/atlas/validity.h"
 #include "precompute/bake/atlas_tasks.h"
+#include "precompute/plan/probe_scene.h"
 #include "precompute/scene/import.h"
 
 namespace lightwell::bake {
@@ -109,6 +110,11 @@ BakeContext::BakeContext(const SceneSource& source, const plan::Settings& settin
                                (report.unfilled ? " (" + std::to_string(report.unfilled) + " have none)" : ""));
   });
   addFacts(atlas_, facts_);
+  if (facts_.has_sky_light) {
+    const plan::SkyProbe probe = plan::probeSky(scene_, atlas_, *tracer_, settings.seed);
+    facts_.sees_sky = probe.seesSky();
+    facts_.probing_rays = probe.rays;
+  }
   facts_.has_portals = !scene_.portals.empty();
   facts_.has_lamps = !scene_.lights.empty();
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "precompute/bake/prm_tasks.h"
 #include "precompute/core/random.h"
 #include "precompute/transport/measured_texels.h"
 #include "precompute/transport/prm/entry_irradiance.h"
@@ -20,9 +21,9 @@ constexpr uint64_t kLightSeed = 0x6c69676874ull;  // apart from the lights that 
 constexpr uint64_t kRetracedSeed = 0x6d6f7265ull;
 
 transport::PriorLight testLight(const BakeContext& context, uint32_t index) {
-  return transport::samplePriorLights(context.scene(), context.atlas(), *context.tracer(), index + 1,
-                                      combineKeys(context.settings().seed, kLightSeed))
-      .back();
+  const auto lights = transport::samplePriorLights(context.scene(), context.atlas(), *context.tracer(), lightPrior(context.settings(), context.scene()), index + 1,
+                                                   combineKeys(context.settings().seed, kLightSeed));
+  return lights[index % lights.size()];  // lamps are at most as many as there are
 }
 
 transport::MeasuredTexels texelsFor(const BakeContext& context, uint32_t light) {
@@ -36,6 +37,16 @@ std::shared_ptr<const scene::Scene> darkScene(const BakeContext& context) {
   auto copy = std::make_shared<scene::Scene>(context.scene());
   for (auto& material : copy->materials) material.emissive = Rgb(0.0f);
   return copy;
+}
+
+std::string lightsText(plan::MovingLights lights) {
+  switch (lights) {
+    case plan::MovingLights::ceilings: return "point lights under ceilings";
+    case plan::MovingLights::sun: return "suns";
+    case plan::MovingLights::lamps: return "of the scene's lamps";
+    case plan::MovingLights::paths: return "point lights on the given paths";
+    default: return "point lights";
+  }
 }
 
 /// Independent maps of slots under test light `light`; `paths`: times as many as usual.
@@ -89,7 +100,7 @@ std::optional<MeasuredError> measure(const BakeContext& context, std::span<const
   for (size_t i = 0; i < errors.size(); ++i)
     if (means[i] >= enough) kept.push_back(errors[i]);
   const auto error = transport::medianError(kept);
-  return MeasuredError{error, "medians of " + std::to_string(kept.size()) + " point lights, indirect light path-traced at " + std::to_string(error.texels) + " texels each"};
+  return MeasuredError{error, "medians of " + std::to_string(kept.size()) + " " + lightsText(context.settings().moving_lights) + ", indirect light path-traced at " + std::to_string(error.texels) + " texels each"};
 }
 
 }  // namespace
@@ -118,7 +129,7 @@ std::vector<TaskIndex> addReferenceTasks(TaskGraph& graph, const BakeContext& co
     tasks.push_back(graph.add({"measure/" + std::to_string(i),
                                "measure",
                                "measure",
-                               context.keys().reflection.hex() + " " + std::to_string(context.settings().seed) + " " + std::to_string(i),
+                               context.keys().reflection.hex() + " " + std::to_string(context.settings().seed) + " " + priorKey(lightPrior(context.settings(), context.scene()), context.keys()).hex() + " " + std::to_string(i),
                                {},
                                rays,
                                [&context, dark, i](const TaskInputs& in) {

@@ -35,9 +35,37 @@ void applyChoices(const plan::Settings& settings, transport::PrmSettings& prm) {
 
 }  // namespace
 
-transport::PrmSettings prmSettings(const plan::Settings& settings) {
+transport::LightPrior lightPrior(const plan::Settings& settings, const scene::Scene& scene) {
+  using Places = transport::LightPrior::Places;
+  transport::LightPrior prior;
+  switch (settings.moving_lights) {
+    case plan::MovingLights::ceilings: prior.places = Places::ceilings; break;
+    case plan::MovingLights::sun: prior.places = Places::sun; break;
+    case plan::MovingLights::lamps: prior.places = Places::lamps; break;
+    case plan::MovingLights::paths: prior.places = Places::paths; break;
+    case plan::MovingLights::anywhere:
+    case plan::MovingLights::none: break;
+  }
+  for (const auto& path_m : settings.light_paths_m) {
+    auto& path = prior.paths.emplace_back();
+    for (const auto& point_m : path_m) {
+      Vec3& point = path.emplace_back();
+      for (int k = 0; k < 3; ++k) point[k] = float((point_m[size_t(k)] - scene.origin_m[k]) / scene.metres_per_unit);
+    }
+  }
+  return prior;
+}
+
+void checkPrior(const BakeContext& context, const transport::LightPrior& prior) {
+  if (!transport::samplePriorLights(context.scene(), context.atlas(), *context.tracer(), prior, 1, context.settings().seed).empty()) return;
+  if (prior.places == transport::LightPrior::Places::lamps) throw UsageError("--moving-lights lamps: the scene has no lamps; --lights FILE brings some");
+  if (prior.places == transport::LightPrior::Places::ceilings) throw UsageError("--moving-lights ceilings: no surface of the scene looks down, or none has room below it");
+}
+
+transport::PrmSettings prmSettings(const plan::Settings& settings, const scene::Scene& scene) {
   transport::PrmSettings prm;
   prm.seed = settings.seed;
+  prm.prior = lightPrior(settings, scene);
   switch (settings.quality) {
     case plan::Quality::draft:
       prm.entries.clusters = 4096, prm.entries.groups = 384;
@@ -67,6 +95,14 @@ transport::PrmSettings prmSettings(const plan::Settings& settings) {
   return prm;
 }
 
+Key priorKey(const transport::LightPrior& prior, const SceneKeys& keys) {
+  KeyHasher hasher;
+  hasher.add(prior.places);
+  if (prior.places == transport::LightPrior::Places::lamps) hasher.add(keys.lights);
+  for (const auto& path : prior.paths) hasher.addArray(path.data(), path.size());
+  return hasher.finish();
+}
+
 std::shared_ptr<const transport::PrmBaker> makePrmBaker(const BakeContext& context, const transport::PrmSettings& settings, TaskRunner& tasks) {
   TaskGraph graph(productVersion());
   const TaskIndex entries =
@@ -90,7 +126,7 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
                                 kGroupsPerTask, settings.cluster_rays, {},
                                 [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->oneBounce(first, end); });
   // A training light does not depend on their number: more of them are made from those that there are.
-  const auto training = addRange(graph, "prm", "training", entryParameters(keys.geometry, settings), baker->trainingLightCount(), kLightsPerTask, entries, {},
+  const auto training = addRange(graph, "prm", "training", entryParameters(keys.geometry, settings).add(priorKey(settings.prior, keys)), baker->trainingLightCount(), kLightsPerTask, entries, {},
                                  [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->trainingDirect(first, end); });
   if (baker->hasEmitters())
     tasks.emitter = addRange(graph, "prm", "emitters", Parameters(keys.emission).add(settings.emitter_samples, bases.rays, settings.seed), baker->sideCount(),

@@ -7,8 +7,15 @@
 
 namespace lightwell::bake {
 
+/// Where the settings say that lights move.
+transport::LightPrior lightPrior(const plan::Settings& settings, const scene::Scene& scene);
+/// Everything that samples from it depend on besides the surfaces.
+Key priorKey(const transport::LightPrior& prior, const SceneKeys& keys);
+/// Throws UsageError when no light of it fits into the scene.
+void checkPrior(const BakeContext& context, const transport::LightPrior& prior);
+
 /// The estimator's settings for a bake's settings.
-transport::PrmSettings prmSettings(const plan::Settings& settings);
+transport::PrmSettings prmSettings(const plan::Settings& settings, const scene::Scene& scene);
 
 /// With the clusters of entry points as a task of their own, run by `tasks`: how many of them there are says which other tasks there are.
 /// `context` must have a tracer and outlive the baker.

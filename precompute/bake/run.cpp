@@ -113,7 +113,8 @@ nlohmann::json reportJson(const Baked& baked) {
     document["error"].push_back(errorJson(e));
   for (const auto& s : report.sections)
     document["sections"].push_back({{"type", s.type}, {"stored_bytes", s.stored_bytes}, {"raw_bytes", s.raw_bytes}});
-  for (const auto& o : outcome.omitted) document["omitted"].push_back({{"type", o.type}, {"reason", o.reason}});
+  for (const auto& o : outcome.omitted)
+    document["omitted"].push_back({{"type", o.type}, {"reason", o.reason}, {"decoded_bytes", o.decoded_bytes}, {"rays", o.rays}});
   for (const auto& p : report.phases) document["phases"].push_back({{"name", p.name}, {"seconds", p.seconds}});
   for (const auto& w : report.warnings) document["warnings"].push_back({{"place", w.place}, {"message", w.message}});
   return document;

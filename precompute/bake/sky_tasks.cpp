@@ -20,6 +20,8 @@ transport::SkyScene skyScene(const BakeContext& context, const plan::Settings& s
 
 }  // namespace
 
+uint64_t skyRays(const BakeContext& context, const plan::Settings& settings) { return 2ull * samplesOf(settings.quality) * context.atlas().slots.size(); }
+
 std::vector<TaskIndex> addSkyTasks(TaskGraph& graph, const BakeContext& context, const plan::Settings& settings) {
   const size_t slots = context.atlas().slots.size();
   const uint32_t samples = samplesOf(settings.quality);

@@ -11,6 +11,9 @@ struct SkyPanes {
 };
 
 /// Direct irradiance at the atlas's slots; outputs in range order. `context` must have surfaces and a sky, and outlive the graph.
+/// Rays that these tasks trace, about.
+uint64_t skyRays(const BakeContext& context, const plan::Settings& settings);
+
 std::vector<TaskIndex> addSkyTasks(TaskGraph& graph, const BakeContext& context, const plan::Settings& settings);
 
 /// The sky is one more light for `prm`: irradiance at its entry points, its transport, irradiance at texels. `direct`: outputs of the tasks.

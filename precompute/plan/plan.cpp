@@ -9,7 +9,8 @@ namespace {
 std::string uselessness(Technique technique, const SceneFacts& facts) {
   if (technique == Technique::environment) {
     if (!facts.has_environment) return "no environment map was given";
-    return facts.has_sky_light ? "" : "the environment map is black";
+    if (!facts.has_sky_light) return "the environment map is black";
+    return "";
   }
   if (!facts.has_scene) return "no scene was given";
   if (!facts.has_surfaces) return "the scene has no surfaces";
@@ -35,6 +36,15 @@ bool& chosen(Plan& plan, Technique technique) {
 
 bool wantsProbes(const Settings& settings) { return settings.probe_spacing_m != 0 || !settings.probe_points_m.empty(); }
 
+bool wants(const Settings& settings, Technique technique) {
+  return std::find(settings.techniques.begin(), settings.techniques.end(), technique) != settings.techniques.end();
+}
+
+/// Why nothing of the sky can be seen in the scene; empty when something is, or when the plan may not leave anything out.
+std::string shutOff(const SceneFacts& facts, const Settings& settings) {
+  if (facts.sees_sky || settings.keep_all || !facts.has_surfaces) return "";
+  return "no surface sees the sky: " + std::to_string(facts.probing_rays) + " rays from the surfaces all ended on others";
+}
 
 }  // namespace
 
@@ -69,6 +79,11 @@ void checkVirtualLights(const Settings& settings) {
     throw UsageError(std::string(asked) + ": virtual lights are baked with --techniques vpl");
 }
 
+void checkMovingLights(const Settings& settings) {
+  if (settings.moving_lights == MovingLights::paths && settings.light_paths_m.empty()) throw UsageError("--moving-lights: paths come from a file: --moving-lights PATHS.json");
+  if (!settings.geometry && wants(settings, Technique::vpl)) throw UsageError("--no-geometry: virtual lights cast shadows from it: --techniques vpl needs it");
+}
+
 void checkEnvironment(const Settings& settings) {
   if (settings.environment_samples < 1 || settings.environment_samples > kMostEnvironmentSamples)
     throw UsageError("--environment-samples: an environment takes 1 to " + std::to_string(kMostEnvironmentSamples) + " samples");
@@ -82,28 +97,35 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
   checkRadiosity(settings);
   checkLightmap(settings);
   checkVirtualLights(settings);
+  checkMovingLights(settings);
   checkEnvironment(settings);
-  const bool automatic = settings.techniques.empty();
-  const auto wanted = [&](Technique technique) {
-    return std::find(settings.techniques.begin(), settings.techniques.end(), technique) != settings.techniques.end();
-  };
+  const bool automatic = settings.techniques.empty(), nothing_moves = settings.moving_lights == MovingLights::none;
+  const std::string shut_off = shutOff(facts, settings);
   Plan plan;
-  plan.surface_sections = facts.has_surfaces;
+  plan.atlas = facts.has_surfaces;
+  plan.geometry = facts.has_surfaces && settings.geometry;
   if (!facts.has_scene) plan.omitted.push_back({"scene", "no scene was given"});
-  if (!facts.has_surfaces)
-    for (const char* section : {"geometry", "atlas"})
-      plan.omitted.push_back({section, facts.has_scene ? "the scene has no surfaces" : "no scene was given"});
+  const char* no_surfaces = facts.has_scene ? "the scene has no surfaces" : "no scene was given";
+  if (!plan.geometry) plan.omitted.push_back({"geometry", facts.has_surfaces ? "not asked for: the game has its own" : no_surfaces});
+  if (!plan.atlas) plan.omitted.push_back({"atlas", no_surfaces});
   for (int i = 0; i <= int(Technique::environment); ++i) {
     const auto technique = Technique(i);
     const std::string type(name(technique)), useless = uselessness(technique, facts);
-    if (!automatic && !wanted(technique))
+    const bool of_moving_light = technique == Technique::prm;
+    if (!automatic && !wants(settings, technique))
       plan.omitted.push_back({type, "not asked for"});
     else if (!useless.empty())
       plan.omitted.push_back({type, useless});
-    else if (technique == Technique::radiosity && automatic && !facts.has_portals)
-      plan.omitted.push_back({type, "not asked for: section prm has the scene's light as long as albedo and emission stay"});
-    else if ((technique == Technique::lightmap || technique == Technique::vpl) && automatic)
+    else if (automatic && technique == Technique::environment && !shut_off.empty())
+      plan.omitted.push_back({type, shut_off});
+    else if (automatic && technique == Technique::radiosity && !facts.has_portals)
+      plan.omitted.push_back({type, "not asked for: without doors, and as long as albedo and emission stay, the other sections have the scene's light"});
+    else if (automatic && of_moving_light && nothing_moves)
+      plan.omitted.push_back({type, "no light moves: section lightmap has the light of those that there are"});
+    else if (automatic && technique == Technique::lightmap && !nothing_moves)
       plan.omitted.push_back({type, "not asked for: section prm has the light of lamps that may move"});
+    else if (automatic && technique == Technique::vpl)
+      plan.omitted.push_back({type, std::string("not asked for: section ") + (nothing_moves ? "lightmap has the light of lamps that stay" : "prm has the light of lamps that may move")});
     else
       chosen(plan, technique) = true;
   }
@@ -112,10 +134,10 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
   plan.points = settings.points > 0 && facts.has_surfaces;
   if (!plan.points) plan.omitted.push_back({"points", settings.points == 0 ? "not asked for" : facts.has_scene ? "the scene has no surfaces" : "no scene was given"});
   plan.prm_emitter = plan.prm && facts.has_emitters;
-  plan.prm_sky = plan.prm && facts.has_sky_light;
+  plan.prm_sky = plan.prm && facts.has_sky_light && shut_off.empty();
   if (plan.prm && !facts.has_emitters) plan.omitted.push_back({"prm.emitter", "no surface emits light"});
-  if (plan.prm && !facts.has_sky_light)
-    plan.omitted.push_back({"prm.sky", facts.has_environment ? "the environment map is black" : "no environment map was given"});
+  if (plan.prm && !plan.prm_sky)
+    plan.omitted.push_back({"prm.sky", facts.has_sky_light ? shut_off : facts.has_environment ? "the environment map is black" : "no environment map was given"});
   return plan;
 }
 

@@ -15,17 +15,22 @@ struct SceneFacts {
   bool has_lamps = false;      // punctual lights
   bool has_reflection = false; // some texel's albedo is not black
   bool has_portals = false;    // doors or shutters
+  bool sees_sky = true;        // some ray from the surfaces ends on no other
+  uint32_t probing_rays = 0;   // that sees_sky was decided by
   bool has_environment = false; // a map was given
   bool has_sky_light = false;   // and it is not black
 };
 
 struct Omitted {
-  std::string type;    // of a section, or a part of one: "prm.emitter"
-  std::string reason;  // a sentence fragment for people
+  std::string type;            // of a section, or a part of one: "prm.emitter"
+  std::string reason;          // a sentence fragment for people
+  uint64_t decoded_bytes = 0;  // that it would have had, where that is known
+  uint64_t rays = 0;           // that it would have cost, about
 };
 
 struct Plan {
-  bool surface_sections = false;  // geometry and atlas
+  bool atlas = false;
+  bool geometry = false;
   bool prm = false;
   bool prm_emitter = false;       // the constant panes of the scene's own emitters
   bool prm_sky = false;           // the constant panes of the sky
@@ -47,6 +52,8 @@ void checkRadiosity(const Settings& settings);
 void checkLightmap(const Settings& settings);
 /// Throws UsageError for virtual lights without --techniques vpl.
 void checkVirtualLights(const Settings& settings);
+/// Throws UsageError for lights that no file or scene gives places to, and for sections that need surfaces to draw.
+void checkMovingLights(const Settings& settings);
 /// Throws UsageError for numbers of samples and cells that no environment can have.
 void checkEnvironment(const Settings& settings);
 

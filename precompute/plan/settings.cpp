@@ -32,6 +32,13 @@ constexpr Names<VirtualLightShape, 5> kVirtualLightShapes{{{VirtualLightShape::a
                                                            {VirtualLightShape::sphere, "sphere"},
                                                            {VirtualLightShape::polygon, "polygon"}}};
 
+constexpr Names<MovingLights, 6> kMovingLights{{{MovingLights::anywhere, "anywhere"},
+                                               {MovingLights::ceilings, "ceilings"},
+                                               {MovingLights::sun, "sun"},
+                                               {MovingLights::lamps, "lamps"},
+                                               {MovingLights::none, "none"},
+                                               {MovingLights::paths, "paths"}}};
+
 template <class T, size_t n>
 std::string_view nameIn(const Names<T, n>& names, T value) {
   return std::find_if(names.begin(), names.end(), [&](const auto& pair) { return pair.first == value; })->second;
@@ -96,6 +103,24 @@ std::vector<std::array<double, 3>> requiredPoints(const std::string& key, const 
   return points;
 }
 
+std::vector<std::vector<std::array<double, 3>>> requiredPaths(const std::string& key, const json& value) {
+  if (!value.is_array()) throw UsageError("settings: \"" + key + "\" must be an array of arrays of points");
+  std::vector<std::vector<std::array<double, 3>>> paths;
+  size_t points = 0;
+  for (size_t i = 0; i < value.size(); ++i) {
+    paths.push_back(requiredPoints(key + "[" + std::to_string(i) + "]", value[i]));
+    points += paths.back().size();
+    if (paths.back().empty() || points > kMostLightPathPoints)
+      throw UsageError("settings: \"" + key + "\" must have 1 to " + std::to_string(kMostLightPathPoints) + " points, at least one in each path");
+  }
+  return paths;
+}
+
+bool requiredFlag(const std::string& key, const json& value) {
+  if (!value.is_boolean()) throw UsageError("settings: \"" + key + "\" must be true or false");
+  return value.get<bool>();
+}
+
 std::vector<std::string> requiredNames(const std::string& key, const json& value) {
   const bool good = value.is_array() && value.size() <= kMostPortalNames && std::all_of(value.begin(), value.end(), [](const json& name) { return name.is_string(); });
   if (!good) throw UsageError("settings: \"" + key + "\" must be a list of at most " + std::to_string(kMostPortalNames) + " names");
@@ -118,12 +143,17 @@ std::string_view name(scene::LightUnits units) { return nameIn(kLightUnits, unit
 std::string_view name(PrmLayout layout) { return nameIn(kPrmLayouts, layout); }
 std::string_view name(PrmEstimator estimator) { return nameIn(kPrmEstimators, estimator); }
 std::string_view name(VirtualLightShape shape) { return nameIn(kVirtualLightShapes, shape); }
+std::string_view name(MovingLights lights) { return nameIn(kMovingLights, lights); }
 std::optional<Technique> techniqueNamed(std::string_view name) { return valueIn(kTechniques, name); }
 std::optional<Quality> qualityNamed(std::string_view name) { return valueIn(kQualities, name); }
 std::optional<scene::LightUnits> lightUnitsNamed(std::string_view name) { return valueIn(kLightUnits, name); }
 std::optional<PrmLayout> prmLayoutNamed(std::string_view name) { return valueIn(kPrmLayouts, name); }
 std::optional<PrmEstimator> prmEstimatorNamed(std::string_view name) { return valueIn(kPrmEstimators, name); }
 std::optional<VirtualLightShape> virtualLightShapeNamed(std::string_view name) { return valueIn(kVirtualLightShapes, name); }
+std::optional<MovingLights> movingLightsNamed(std::string_view name) {
+  const auto lights = valueIn(kMovingLights, name);
+  return lights == MovingLights::paths ? std::nullopt : lights;
+}
 std::vector<std::string> techniqueNames() { return allNames(kTechniques); }
 std::vector<std::string> qualityNames() { return allNames(kQualities); }
 std::vector<std::string> lightUnitsNames() { return allNames(kLightUnits); }
@@ -167,6 +197,10 @@ std::string canonicalJson(const Settings& settings) {
               {"prm_entries", settings.prm_entries},
               {"prm_clusters", settings.prm_clusters},
               {"radiosity_density", settings.radiosity_density},
+              {"moving_lights", name(settings.moving_lights)},
+              {"light_paths_m", settings.light_paths_m},
+              {"geometry", settings.geometry},
+              {"keep_all", settings.keep_all},
               {"directional", settings.directional},
               {"virtual_light", name(settings.virtual_light)},
               {"virtual_lights", settings.virtual_lights},
@@ -225,8 +259,15 @@ Settings settingsFromJson(std::string_view text) {
     } else if (key == "radiosity_density") {
       settings.radiosity_density = requiredNumber(key, value, 0, 1);
     } else if (key == "directional") {
-      if (!value.is_boolean()) throw UsageError("settings: \"directional\" must be true or false");
-      settings.directional = value.get<bool>();
+      settings.directional = requiredFlag(key, value);
+    } else if (key == "geometry") {
+      settings.geometry = requiredFlag(key, value);
+    } else if (key == "keep_all") {
+      settings.keep_all = requiredFlag(key, value);
+    } else if (key == "moving_lights") {
+      settings.moving_lights = required(kMovingLights, key, value);
+    } else if (key == "light_paths_m") {
+      settings.light_paths_m = requiredPaths(key, value);
     } else if (key == "virtual_light") {
       settings.virtual_light = required(kVirtualLightShapes, key, value);
     } else if (key == "virtual_lights") {

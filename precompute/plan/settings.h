@@ -18,6 +18,9 @@ enum class PrmLayout { local_bases, panes };
 /// How panes are estimated: by gathering at the texels, or by the paper's walks from the entry points.
 enum class PrmEstimator { gather, walks };
 
+/// Which lights a game will move, switch or colour: what radiance maps are made good for. With `none` only fixed light is baked.
+enum class MovingLights { anywhere, ceilings, sun, lamps, paths, none };
+
 /// What virtual lights are; automatic: by expected error, each of them.
 enum class VirtualLightShape { automatic, point, disk, sphere, polygon };
 
@@ -33,6 +36,7 @@ inline constexpr uint32_t kMostEnvironmentSamples = 4096, kFewestSkyFaceCells = 
 inline constexpr int kFinestRefinement = 3, kCoarsestRefinement = -6;
 
 inline constexpr size_t kMostPortalNames = 4096;
+inline constexpr size_t kMostLightPathPoints = 65536;
 
 inline constexpr float kMostRadiance = 1e12f, kMostEnvironmentIntensity = 1e6f;
 
@@ -56,6 +60,10 @@ struct Settings {
   uint32_t prm_entries = 0;           // entry points over all clusters, about, up to kMostPrmEntries; 0: the quality's
   uint32_t prm_clusters = 0;          // clusters of entry points, about, up to kMostPrmClusters (panes: kMostPrmPanes); 0: the quality's
   float radiosity_density = 0;        // patches per light-map texel along a side, rounded to a power of two, kLeastRadiosityDensity to 1; 0: adaptive
+  MovingLights moving_lights = MovingLights::anywhere;
+  std::vector<std::vector<std::array<double, 3>>> light_paths_m;  // for MovingLights::paths: places and lines in the glTF file's world
+  bool geometry = true;               // surfaces to draw and to cast shadows; without, the game has its own
+  bool keep_all = false;              // bake what the plan finds no use for, too
   bool directional = false;           // the section lightmap also says how light changes with the normal
   VirtualLightShape virtual_light = VirtualLightShape::automatic;
   uint32_t virtual_lights = 0;        // aimed at, up to kMostVirtualLights; 0: the quality's
@@ -75,12 +83,15 @@ std::string_view name(scene::LightUnits units);
 std::string_view name(PrmLayout layout);
 std::string_view name(PrmEstimator estimator);
 std::string_view name(VirtualLightShape shape);
+std::string_view name(MovingLights lights);
 std::optional<Technique> techniqueNamed(std::string_view name);
 std::optional<Quality> qualityNamed(std::string_view name);
 std::optional<scene::LightUnits> lightUnitsNamed(std::string_view name);
 std::optional<PrmLayout> prmLayoutNamed(std::string_view name);
 std::optional<PrmEstimator> prmEstimatorNamed(std::string_view name);
 std::optional<VirtualLightShape> virtualLightShapeNamed(std::string_view name);
+/// Not of paths: they have no name of their own, but points.
+std::optional<MovingLights> movingLightsNamed(std::string_view name);
 /// All names of an option, in order, for messages and help.
 std::vector<std::string> techniqueNames();
 std::vector<std::string> qualityNames();

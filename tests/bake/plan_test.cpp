@@ -15,7 +15,7 @@ bool omits(const Plan& plan, const std::string& type) {
 
 TEST(Plan, AutoBakesPrmAndExplainsTheRest) {
   const Plan plan = makePlan(kRoom, {});
-  EXPECT_TRUE(plan.prm && plan.prm_emitter && plan.surface_sections);
+  EXPECT_TRUE(plan.prm && plan.prm_emitter && plan.atlas && plan.geometry);
   for (const char* type : {"lightmap", "vpl", "radiosity", "environment"}) EXPECT_TRUE(omits(plan, type)) << type;
   EXPECT_FALSE(omits(plan, "prm"));
 }
@@ -29,10 +29,10 @@ TEST(Plan, NoEmittersNoEmitterPanes) {
 
 TEST(Plan, NothingToBakeWithoutSurfacesOrReflection) {
   const Plan empty = makePlan({}, {});
-  EXPECT_FALSE(empty.prm || empty.surface_sections);
+  EXPECT_FALSE(empty.prm || empty.atlas || empty.geometry);
   for (const char* type : {"prm", "geometry", "atlas"}) EXPECT_TRUE(omits(empty, type)) << type;
   const Plan black = makePlan({.has_surfaces = true}, {});
-  EXPECT_TRUE(black.surface_sections && omits(black, "prm"));
+  EXPECT_TRUE(black.atlas && omits(black, "prm"));
 }
 
 TEST(Plan, ASkyIsBakedWhenThereIsOne) {
@@ -51,8 +51,52 @@ TEST(Plan, ASkyIsBakedWhenThereIsOne) {
   const Plan black = makePlan(outside, {});
   EXPECT_TRUE(omits(black, "environment") && omits(black, "prm.sky"));
   const Plan sky = makePlan({.has_scene = false, .has_environment = true, .has_sky_light = true}, {});
-  EXPECT_TRUE(sky.environment && !sky.surface_sections && !sky.prm && !sky.prm_sky);
+  EXPECT_TRUE(sky.environment && !sky.atlas && !sky.prm && !sky.prm_sky);
   for (const char* type : {"scene", "geometry", "atlas", "prm"}) EXPECT_TRUE(omits(sky, type)) << type;
+}
+
+TEST(Plan, ASkyThatNothingSeesIsLeftOutUnlessAsked) {
+  SceneFacts shut = kRoom;
+  shut.has_environment = shut.has_sky_light = true;
+  shut.sees_sky = false;
+  shut.probing_rays = 65536;
+  const Plan plan = makePlan(shut, {});
+  EXPECT_TRUE(plan.prm && omits(plan, "environment") && omits(plan, "prm.sky"));
+  EXPECT_THAT(plan.omitted, testing::Contains(testing::Field(&Omitted::reason, testing::HasSubstr("65536 rays"))));
+  Settings settings;
+  settings.keep_all = true;
+  EXPECT_TRUE(makePlan(shut, settings).environment && makePlan(shut, settings).prm_sky);
+  settings = {};
+  settings.techniques = {Technique::environment};
+  EXPECT_TRUE(makePlan(shut, settings).environment) << "asked for by name";
+}
+
+TEST(Plan, WhatMovesDecidesBetweenRadianceMapsAndALightMap) {
+  SceneFacts lit = kRoom;
+  lit.has_lamps = true;
+  Settings settings;
+  settings.moving_lights = MovingLights::none;
+  const Plan still = makePlan(lit, settings);
+  EXPECT_TRUE(still.lightmap && !still.prm && omits(still, "prm") && omits(still, "vpl"));
+  EXPECT_FALSE(still.prm_emitter || omits(still, "lightmap"));
+  for (const auto lights : {MovingLights::ceilings, MovingLights::sun, MovingLights::lamps}) {
+    settings.moving_lights = lights;
+    EXPECT_TRUE(makePlan(lit, settings).prm && !makePlan(lit, settings).lightmap);
+  }
+  settings.moving_lights = MovingLights::paths;
+  EXPECT_THROW(makePlan(lit, settings), UsageError) << "paths without points";
+  settings.light_paths_m = {{{0, 1, 0}, {2, 1, 0}}};
+  EXPECT_TRUE(makePlan(lit, settings).prm);
+  EXPECT_EQ(canonicalJson(settingsFromJson(canonicalJson(settings))), canonicalJson(settings));
+}
+
+TEST(Plan, GeometryIsLeftOutForAGameThatHasItsOwn) {
+  Settings settings;
+  settings.geometry = false;
+  const Plan plan = makePlan(kRoom, settings);
+  EXPECT_TRUE(plan.prm && plan.atlas && !plan.geometry && omits(plan, "geometry"));
+  settings.techniques = {Technique::vpl};
+  EXPECT_THROW(makePlan(kRoom, settings), UsageError) << "virtual lights cast shadows from it";
 }
 
 TEST(Plan, RadiosityIsBakedWhenAskedFor) {

@@ -82,7 +82,7 @@ struct PrmBaker::Impl {
     blocks = partitionByCount(elements, aim, kBlockNormalExtent, 3 * size_t(settings.bases.block_texels) / 2);
     for (const auto& slot : atlas.slots) grey = grey && slot.albedo_rgb.x == slot.albedo_rgb.y && slot.albedo_rgb.y == slot.albedo_rgb.z;
     if (settings.layout == PrmLayoutKind::local_bases)
-      training_lights = samplePriorLights(scene, atlas, tracer, settings.training_lights, combineKeys(settings.seed, kTrainingSeed));
+      training_lights = samplePriorLights(scene, atlas, tracer, settings.prior, settings.training_lights, combineKeys(settings.seed, kTrainingSeed));
     has_emitters = std::any_of(atlas.slots.begin(), atlas.slots.end(), [](const auto& slot) { return maxComponent(slot.emitted_radiance_rgb) > 0; });
   }
 

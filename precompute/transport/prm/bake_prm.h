@@ -10,6 +10,7 @@
 #include <string>
 
 #include "precompute/core/bytes.h"
+#include "precompute/transport/prm/light_prior.h"
 #include "precompute/transport/prm/local_bases.h"
 
 namespace lightwell::transport {
@@ -24,6 +25,7 @@ struct PrmSettings {
   LocalBasesOptions bases;
   uint32_t cluster_rays = 256;      // per fine cluster, for all bounces but the last
   uint32_t training_lights = 512;   // local bases only
+  LightPrior prior;                 // local bases only: where these are
   uint32_t emitter_samples = 64;    // per texel
   uint32_t walks_per_entry = 1;     // panes by walks
   uint64_t seed = 1;
