@@ -209,6 +209,7 @@ lw_result lw_virtual_light_point(const lw_virtual_light* light, const float uv[2
     const float u = std::sqrt(std::clamp(rest / std::max(twiceArea(i), 1e-30f), 0.0f, 1.0f)), v = std::clamp(uv[1], 0.0f, 1.0f);
     at = origin + (vertex(i - 1) - origin) * (u * (1 - v)) + (vertex(i) - origin) * (u * v);
   }
+  if (!std::isfinite(at.x) || !std::isfinite(at.y) || !std::isfinite(at.z)) at = float3(light->position_m);  // of a size beyond what floats can add up
   position_m[0] = at.x, position_m[1] = at.y, position_m[2] = at.z;
   return LW_OK;
 }
