@@ -2,6 +2,7 @@
 
 #include <ImfChannelList.h>
 #include <ImfChromaticitiesAttribute.h>
+#include <ImfCompression.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputPart.h>
@@ -19,7 +20,7 @@ namespace {
 constexpr int64_t kMaxWindow = 1 << 20;            // texels along a side of the data window
 constexpr int64_t kMaxRowBytes = int64_t{1} << 26;  // of all channels together
 constexpr int64_t kMaxTileSide = 8192;
-constexpr int64_t kMaxTileRowBytes = int64_t{1} << 30;  // what OpenEXR holds while rows are read from tiles
+constexpr int64_t kMaxBlockBytes = int64_t{1} << 29;  // what OpenEXR holds while a row is read: the rows that are packed together, or a row of tiles
 
 /// The names of the channels that carry red, green and blue; all the same for luminance alone.
 struct ColorChannels {
@@ -38,6 +39,16 @@ std::optional<ColorChannels> findColor(const Imf::ChannelList& channels) {
     if (has(prefix + "Y") && !has(prefix + "RY") && !has(prefix + "BY")) return ColorChannels{{prefix + "Y", prefix + "Y", prefix + "Y"}};
   }
   return std::nullopt;
+}
+
+/// Of scan lines ("The OpenEXR File Layout", compression).
+int rowsPackedTogether(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::NO_COMPRESSION: case Imf::RLE_COMPRESSION: case Imf::ZIPS_COMPRESSION: return 1;
+    case Imf::ZIP_COMPRESSION: case Imf::PXR24_COMPRESSION: return 16;
+    case Imf::DWAB_COMPRESSION: return 256;
+    default: return 32;
+  }
 }
 
 class OpenExrRows : public RowSource {
@@ -113,6 +124,8 @@ class OpenExrRows : public RowSource {
     int64_t channel_count = 0;
     for (auto it = header().channels().begin(); it != header().channels().end(); ++it) ++channel_count;
     if (channel_count * data_width * 4 > kMaxRowBytes) fail("channels", "too many channels for rows of " + std::to_string(data_width));
+    if (rowsPackedTogether(header().compression()) * channel_count * data_width * 4 > kMaxBlockBytes)
+      fail("compression", "blocks too large for rows of " + std::to_string(data_width) + " texels");
     for (const std::string& name : channels_.names) {
       const Imf::Channel& channel = *header().channels().findChannel(name);
       if (channel.xSampling != 1 || channel.ySampling != 1) fail("channel " + name, "subsampled");
@@ -120,7 +133,7 @@ class OpenExrRows : public RowSource {
     if (header().hasTileDescription()) {
       const Imf::TileDescription& tiles = header().tileDescription();
       if (tiles.xSize < 1 || tiles.ySize < 1 || tiles.xSize > kMaxTileSide || tiles.ySize > kMaxTileSide ||
-          int64_t(tiles.ySize) * data_width * channel_count * 4 > kMaxTileRowBytes)
+          int64_t(tiles.ySize) * data_width * channel_count * 4 > kMaxBlockBytes)
         fail("tiles", "unusable size " + std::to_string(tiles.xSize) + " x " + std::to_string(tiles.ySize));
     }
   }
