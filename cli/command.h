@@ -27,6 +27,7 @@ void addEvaluate(CLI::App& app, Session& session);
 void addReference(CLI::App& app, Session& session);
 void addCompare(CLI::App& app, Session& session);
 void addRender(CLI::App& app, Session& session);
+void addReport(CLI::App& app, Session& session);
 void addStress(CLI::App& app, Session& session);
 void addSubmit(CLI::App& app, Session& session);
 void addJobs(CLI::App& app, Session& session);

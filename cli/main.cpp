@@ -31,7 +31,7 @@ int run(int argc, char** argv) {
   app.footer(kFooter);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
-  for (const auto add : {addBake, addInfo, addVerify, addEvaluate, addEnvironmentQueries, addReference, addCompare, addRender, addStress,
+  for (const auto add : {addBake, addInfo, addVerify, addEvaluate, addEnvironmentQueries, addReference, addCompare, addRender, addReport, addStress,
                          addSubmit, addJobs, addWatch, addFetch, addCancel}) add(app, session);
   try {
     app.parse(argc, argv);

@@ -2,7 +2,6 @@
 //   ray_rate SCENE.glb [--threads 1 --threads 2] [--json]
 // Times are CPU seconds of the tracing threads, so that what else the machine does hardly matters; every round runs all contestants in
 // turn.
-#include <embree3/rtcore.h>
 #include <time.h>
 
 #include <CLI/CLI.hpp>
@@ -13,14 +12,14 @@
 
 #include "precompute/bake/context.h"
 #include "precompute/core/random.h"
+#include "precompute/trace/raw_embree.h"
 #include "precompute/transport/prm/gather.h"
 
 using namespace lightwell;
 using nlohmann::json;
+using trace::RawEmbree, trace::rawRay;
 
 namespace {
-
-constexpr uint32_t kBatch = 256;  // rays of one call of Embree's streams
 
 struct Options {
   std::filesystem::path scene;
@@ -55,69 +54,6 @@ double secondsPerThread(int threads, size_t count, const std::function<void(size
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
   return values[values.size() / 2];
-}
-
-/// The scene's triangles in Embree and nothing around it; every surface opaque.
-class RawEmbree {
- public:
-  RawEmbree(const scene::Mesh& mesh, RTCSceneFlags flags, RTCBuildQuality quality)
-      : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
-    rtcSetSceneFlags(scene_, flags);
-    rtcSetSceneBuildQuality(scene_, quality);
-    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<Vec3*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), mesh.positions.size()));
-    auto* corners = static_cast<uint32_t*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), mesh.triangles.size()));
-    if (!vertices || !corners) throw std::runtime_error("Embree has no memory for the scene");
-    std::copy(mesh.positions.begin(), mesh.positions.end(), vertices);
-    for (const auto& triangle : mesh.triangles) corners = std::copy_n(triangle.data(), 3, corners);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene_);
-  }
-  ~RawEmbree() {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-  }
-  RawEmbree(const RawEmbree&) = delete;
-  RawEmbree& operator=(const RawEmbree&) = delete;
-
-  void intersectEach(std::span<RTCRayHit> rays) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (auto& ray : rays) rtcIntersect1(scene_, &context, &ray);
-  }
-  void intersectStream(std::span<RTCRayHit> rays) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (size_t i = 0; i < rays.size(); i += kBatch)
-      rtcIntersect1M(scene_, &context, &rays[i], unsigned(std::min<size_t>(kBatch, rays.size() - i)), sizeof(RTCRayHit));
-  }
-  void occludeEach(std::span<RTCRay> rays) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (auto& ray : rays) rtcOccluded1(scene_, &context, &ray);
-  }
-  void occludeStream(std::span<RTCRay> rays) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (size_t i = 0; i < rays.size(); i += kBatch)
-      rtcOccluded1M(scene_, &context, &rays[i], unsigned(std::min<size_t>(kBatch, rays.size() - i)), sizeof(RTCRay));
-  }
-
- private:
-  RTCDevice device_;
-  RTCScene scene_;
-};
-
-RTCRay rawRay(const trace::Ray& ray) {
-  RTCRay raw{};
-  raw.org_x = ray.origin.x, raw.org_y = ray.origin.y, raw.org_z = ray.origin.z;
-  raw.dir_x = ray.direction.x, raw.dir_y = ray.direction.y, raw.dir_z = ray.direction.z;
-  raw.tnear = ray.t_min, raw.tfar = ray.t_max, raw.mask = ~0u;
-  return raw;
 }
 
 /// A way to trace all rays once, and what it took in each round.
