@@ -1,5 +1,6 @@
 #include "precompute/scene/json_value.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -7,16 +8,35 @@
 
 namespace lightwell::scene {
 namespace {
+
 constexpr int kMaxDepth = 64;
+
+/// Levels of arrays and objects, of text that may be no JSON. A pass of its own, because a parser with a callback looks through all siblings again after each object.
+int depthOf(std::span<const char> text) {
+  int depth = 0, most = 0;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      else if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      most = std::max(most, ++depth);
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return most;
 }
 
+}  // namespace
+
 nlohmann::json parseJson(const std::string& file, std::span<const char> text) {
-  const auto limit_depth = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
-    if (depth > kMaxDepth) throw InputError(file, "", "the JSON nests more than " + std::to_string(kMaxDepth) + " levels deep");
-    return true;
-  };
+  if (depthOf(text) > kMaxDepth) throw InputError(file, "", "the JSON nests more than " + std::to_string(kMaxDepth) + " levels deep");
   try {
-    return nlohmann::json::parse(text.begin(), text.end(), limit_depth);
+    return nlohmann::json::parse(text.begin(), text.end());
   } catch (const nlohmann::json::exception& e) {
     throw InputError(file, "", std::string("not JSON: ") + e.what());
   }

@@ -1,6 +1,7 @@
 // Files that must be refused, each with the place and the reason.
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <fstream>
 
 #include "precompute/core/error.h"
@@ -46,6 +47,26 @@ TEST_F(Rejection, Containers) {
   const auto file = b.writeGlb(folder / "scene.glb");
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 4);
   EXPECT_THAT(errorOfFile(file), HasSubstr("cut short"));
+}
+
+TEST_F(Rejection, DepthIsThatOfTheJsonNotOfItsStrings) {
+  const auto nested = [&](int levels, const std::string& inside) {
+    return "{\"asset\":{\"version\":\"2.0\"},\"extras\":" + std::string(size_t(levels), '[') + inside + std::string(size_t(levels), ']') + "}";
+  };
+  writeBytes(folder / "scene.gltf", nested(63, "\"[[[[\\\"[[[\""));
+  EXPECT_EQ(loadFile(folder / "scene.gltf").mesh.triangles.size(), 0u);
+  EXPECT_THAT(errorOfText(nested(64, "")), HasSubstr("nests more than"));
+}
+
+/// A chain as deep as it is long, and as many siblings: seconds, where work that grows with the square would take hours.
+TEST_F(Rejection, AMillionNodesAreNoTrouble) {
+  std::string nodes;
+  constexpr int kNodes = 1'000'000;
+  for (int i = 0; i + 1 < kNodes; ++i) nodes += "{\"children\":[" + std::to_string(i + 1) + "]},";
+  writeBytes(folder / "scene.gltf", "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[" + nodes + "{}]}");
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(loadFile(folder / "scene.gltf").mesh.triangles.size(), 0u);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(60));
 }
 
 TEST_F(Rejection, UnknownRequiredExtensionsAreNamed) {
