@@ -26,6 +26,7 @@ struct Options {
 /// Throws UsageError for what this container cannot show.
 void checkTechnique(const Options& options, const RuntimeContainer& container) {
   const auto has = [&](const char* section) { return lw_has_section(container.get(), section) != 0; };
+  if (has("atlas") && !has("geometry")) throw UsageError(options.container.string() + " has no surfaces to draw: it was baked with --no-geometry");
   if (options.technique != "auto" && !has(options.technique.c_str()))
     throw UsageError("--technique " + options.technique + ": " + options.container.string() + " has no section " + options.technique);
   if (!options.portals.empty() && (!has("radiosity") || (options.technique != "auto" && options.technique != "radiosity")))

@@ -18,6 +18,9 @@ using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::Row
 constexpr float kBasisSteps = 127.0f;
 // The share of a light's mean that bounds the weight of dark texels, as in the definition of texrel (docs/cli.md).
 constexpr float kDarkFloor = 0.1f;
+// The brightness, of that of the whole atlas, below which a block's texels are not weighed up any more: no texrel asks for more, and where no training light
+// arrives there would be no bound.
+constexpr float kDarkestBlock = 0.01f;
 // Beside the training lights, the basis is made for light on each single cluster: as strong as it typically is (at least this share of the mean), with
 // this weight against the training lights.
 constexpr float kUnseenFloor = 0.3f, kUnseenWeight = 0.25f;
@@ -303,7 +306,7 @@ class BlockFit {
     }
     samples = samples * light_weight.asDiagonal();
     VectorXf texel_weight = samples.rowwise().mean();
-    texel_weight = (texel_weight.array() + kDarkFloor * texel_weight.mean() + std::numeric_limits<float>::min()).inverse();
+    texel_weight = (texel_weight.array() + kDarkFloor * texel_weight.mean() + kDarkestBlock).inverse();
 
     const VectorXf typical = (total_ * light_weight.asDiagonal()).rowwise().norm() / std::sqrt(float(std::max<Eigen::Index>(1, lights)));
     const float typical_floor = kUnseenFloor * (links > 0 ? typical.mean() : 0.0f);
