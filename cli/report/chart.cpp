@@ -218,10 +218,16 @@ std::string escaped(const std::string& text) {
 }
 
 std::string tickLabel(double value) {
-  if (value >= 1e6 || (value > 0 && value < 1e-4)) return format("%.3g", value);
-  std::string text = format("%.6g", value);
-  if (value >= 1000 && text.find('.') == std::string::npos)
-    for (size_t i = text.size() - 3; i > 0 && i < text.size(); i = i > 3 ? i - 3 : 0) text.insert(i, ",");
+  if (value >= 1e9) return format("%.4g G", 1e-9 * value);
+  if (value >= 1e6) return format("%.4g M", 1e-6 * value);
+  if (value > 0 && value < 1e-4) return format("%.3g", value);
+  const std::string digits = format("%.6g", value);
+  if (value < 1000 || digits.find('.') != std::string::npos) return digits;
+  std::string text;
+  for (size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
+    text += digits[i];
+  }
   return text;
 }
 
@@ -254,7 +260,7 @@ LogAxis logAxis(double least, double most) {
 std::string chartSvg(const Chart& chart) { return Plot(chart).draw(); }
 
 std::string barsSvg(const std::string& title, const std::string& x_title, const std::vector<Bar>& bars) {
-  constexpr double kLabels = 210, kNotes = 150, kRow = 24, kBarHeight = 15;
+  constexpr double kLabels = 210, kNotes = 190, kRow = 24, kBarHeight = 15;
   std::vector<std::string> names;  // in the order of their sum
   double longest = 0;
   std::vector<double> sums;

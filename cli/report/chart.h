@@ -46,7 +46,7 @@ std::string barsSvg(const std::string& title, const std::string& x_title, const 
 
 /// &, <, >, " and control characters as XML 1.0 and HTML want them in text and attributes.
 std::string escaped(const std::string& text);
-/// "0.5", "20", "3,000", "1e-05": as few digits as tell a tick's value.
+/// "0.5", "20", "3,000", "2 M", "1e-05": as few digits as tell a tick's value.
 std::string tickLabel(double value);
 
 struct LogAxis {

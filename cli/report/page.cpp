@@ -120,7 +120,7 @@ std::string picturesText(const fs::path& folder, const std::vector<Picture>& pic
     const std::pair<const std::string&, const char*> parts[] = {{picture.reference, "reference"}, {picture.result, "result"}, {picture.error, "error"}, {picture.near_reference, "reference, zoomed"},
                                                                 {picture.near_result, "result, zoomed"}, {picture.near_error, "error, zoomed"}};
     for (const auto& [file, name] : parts) text += "<div><img alt=\"" + escaped(name) + "\" src=\"" + dataUri(folder / file) + "\"><span>" + escaped(name) + "</span></div>";
-    text += "</div>\n<p class=\"note\">" + format("Worst texel: column %d, row %d from above, off by %s of the light’s rms.", picture.worst_x, picture.worst_y, percent(picture.worst).c_str()) + "</p>\n";
+    text += "</div>\n<p class=\"note\">" + format("Worst texel: column %d, row %d from above, off by %s of the light’s rms, the noise of the reference included.", picture.worst_x, picture.worst_y, percent(picture.worst).c_str()) + "</p>\n";
   }
   return text;
 }

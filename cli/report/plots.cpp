@@ -112,8 +112,12 @@ Chart byTextures(const Report& report) {
 
 std::string phases(const Report& report) {
   std::vector<Bar> bars;
-  for (const Baked& baked : report.bakes) {
-    if (!baked.seconds) continue;
+  std::vector<const Baked*> by_series;
+  for (const Series& series : allSeries())
+    for (const Baked& baked : report.bakes)
+      if (baked.series == series.name && baked.seconds) by_series.push_back(&baked);
+  for (const Baked* one : by_series) {
+    const Baked& baked = *one;
     Bar bar{std::string(seriesNamed(baked.series).name) + ", " + baked.setting, {}, ""};
     for (const Phase& phase : baked.phases) bar.parts.push_back({phase.name, phase.seconds});
     char text[64];

@@ -10,6 +10,7 @@
 #include "cli/report/sky.h"
 #include "cli/report/time_box.h"
 #include "format/encode/atomic_file.h"
+#include "format/encode/reader.h"
 #include "precompute/core/parallel.h"
 #include "render/egl_context.h"
 #include "render/error.h"
@@ -19,7 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kReferenceShare = 0.2, kLargestShare = 0.6;  // of the budget, and of what is left of it
+constexpr double kReferenceShare = 0.2, kLargestShare = 0.5;  // of the budget, and of what is left of it
 constexpr double kPage_s = 3;                                 // for plots and pictures
 
 bool openGlWorks() {
@@ -48,10 +49,11 @@ class Run {
     if (!options.gl) report_.skipped.push_back({"OpenGL", "this machine has none"});
     laboratory_.emplace(options, report_, diagnostics, cancel(), [&](const std::string& stage) { session_.console.progress(stage, stage + " …"); });
     for (const auto& warning : diagnostics.warnings()) session_.console.warning(warning);
+    for (const fs::path& container : request_.against) format::Reader(container).meta();  // a damaged one is told before any work
     Ledger ledger(options.folder, laboratory_->key(), request_.fresh);
     traceReferences(ledger);
-    climb(ledger);
     measureGiven();
+    climb(ledger);
     if (options.source.environment) measureSky(ledger, options);
     if (!ledger.rays && secondsLeft() > 0) ledger.rays = measureRays(laboratory_->context()), ledger.save();
     report_.rays = ledger.rays;
@@ -109,7 +111,7 @@ class Run {
       for (size_t k = i; k < rungs.size(); ++k) expected_left_ += ledger.find(laboratory_->keyOf(rungs[k])) ? 0 : secondsOf(rungs[k]);
       progress(name, std::to_string(i + 1) + " of " + std::to_string(rungs.size()) + ": " + name);
       const auto begin = Clock::now();
-      const auto allowance = std::chrono::duration<double>(i == 0 ? left : kLargestShare * left);
+      const auto allowance = std::chrono::duration<double>(kLargestShare * left);
       TimeBox box(cancel(), begin + std::chrono::duration_cast<Clock::duration>(allowance));
       try {
         const Baked baked = laboratory_->measure(rung, box.flag());
@@ -121,6 +123,8 @@ class Run {
         report_.skipped.push_back({name, "not done within " + secondsText(allowance.count()) + ", its share of the budget"});
       } catch (const UsageError& error) {
         report_.skipped.push_back({name, error.what()});
+      } catch (const std::bad_alloc&) {
+        report_.skipped.push_back({name, "this machine has too little memory for it"});
       }
       auto& [seconds, cost] = spent_[rung.series];
       seconds += std::chrono::duration<double>(Clock::now() - begin).count(), cost += rung.cost;
