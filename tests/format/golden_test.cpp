@@ -47,6 +47,20 @@ TEST(Golden, InvalidFilesAreRefusedAsTheirNamesSay) {
   }
 }
 
+/// released/VERSION holds the valid files as that version wrote them.
+TEST(Golden, FilesOfEveryReleaseDecodeForEver) {
+  const fs::path releases = fs::path(GOLDEN_FOLDER) / "released";
+  if (!fs::is_directory(releases)) GTEST_SKIP() << "no version of the format was released yet";
+  for (const auto& release : fs::directory_iterator(releases)) {
+    const auto files = committed(("released/" + release.path().filename().string()).c_str());
+    ASSERT_FALSE(files.empty()) << release.path();
+    for (const auto& [name, bytes] : files) {
+      const auto issues = verify(memorySource(bytes.data(), bytes.size()));
+      EXPECT_TRUE(isSound(issues)) << name << ": " << issues[0].place << ": " << issues[0].message;
+    }
+  }
+}
+
 /// Compressed bytes differ between versions of zstd; what they hold does not.
 TEST(Golden, WriterStillWritesTheValidFiles) {
   const auto files = committed("valid");
