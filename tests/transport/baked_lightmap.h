@@ -13,10 +13,11 @@ namespace lightwell::transport {
 using Prepared = test::PreparedScene;
 
 /// All stages, cut into ranges of `grain`, on `threads` threads; with `error` the measured one too.
-inline Lightmap bake(const Prepared& p, const LightmapSettings& settings, uint32_t grain = 200, int threads = 2, PooledError* error = nullptr) {
+inline Lightmap bake(const Prepared& p, const LightmapSettings& settings, uint32_t grain = 200, int threads = 2, PooledError* error = nullptr,
+                     const SkyLight* sky = nullptr) {
   const CancelFlag cancel;
   const Bytes patches = makeLightmapPatchBytes(p.scene, p.atlas, *p.tracer, settings, threads, nullptr);
-  const LightmapBaker baker(p.scene, p.atlas, *p.tracer, p.scene.lights, nullptr, settings, patches);
+  const LightmapBaker baker(p.scene, p.atlas, *p.tracer, p.scene.lights, sky, settings, patches);
   const auto stage = [&](uint32_t count, auto function) { return test::inRanges(count, grain, threads, function); };
   using test::views;
   const auto first = stage(baker.sideCount(), [&](uint32_t a, uint32_t b) { return baker.firstLight(a, b, cancel); });

@@ -5,6 +5,7 @@
 #include "precompute/transport/lightmap/share.h"
 #include "precompute/transport/pooled_error.h"
 #include "precompute/transport/reference/reference.h"
+#include "tests/environment/skies.h"
 #include "tests/transport/baked_lightmap.h"
 
 namespace lightwell::transport {
@@ -75,6 +76,26 @@ TEST(Lightmap, AnEmitterThatIsHiddenTakesNothingFromOneThatIsNot) {
   EXPECT_NEAR(direct[0], kPi * 1e3, kPi * 20) << "all that the panel sends";
   EXPECT_NEAR(direct[1], kPi * 1e-3, kPi * 1e-4) << "a ratio of few rays is biased, but by little";
   EXPECT_NEAR(total[0] / total[1], 1e6, 1e5);
+}
+
+TEST(Lightmap, ASkyThatNothingSeesAddsNothing) {
+  // Plain emitters have their exact light, and the sky its own rays: what these meet indoors must not count again.
+  test::SceneBuilder builder;
+  builder.room({-2, 0, -2}, {2, 3, 2}, builder.material(test::diffuse(0.5f)));
+  builder.quad({-0.5f, 2.9f, -0.5f}, {1, 0, 0}, {0, 0, 1}, builder.material(test::diffuse(0.5f, 10)));
+  const Prepared p(builder.take(), 32);
+  Diagnostics diagnostics;
+  EnvironmentMap white = makeSky(16, 8, [](const Vec3&) { return Rgb(1.0f); }, {});
+  const SkyLight sky(makeSkyGrid(white, 16, diagnostics, nullptr));
+  const Lightmap without = bake(p, {}), with = bake(p, {}, 200, 2, nullptr, &sky);
+  double direct[2] = {}, indirect[2] = {};
+  for (uint32_t slot = 0; slot < p.atlas.slots.size(); ++slot)
+    for (const int k : {0, 1}) {
+      direct[k] += luminance((k ? with : without).direct_rgb[slot]) * double(p.atlas.slots[slot].area);
+      indirect[k] += luminance((k ? with : without).indirect_rgb[slot]) * double(p.atlas.slots[slot].area);
+    }
+  EXPECT_NEAR(direct[1] / direct[0], 1, 0.01);
+  EXPECT_NEAR(indirect[1] / indirect[0], 1, 0.02);
 }
 
 TEST(FixedPoint, PartsThatAreNotCoupledAreSolvedAlikeHoweverMuchBrighterOneIs) {

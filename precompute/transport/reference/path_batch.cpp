@@ -187,7 +187,8 @@ bool PathBatch::arrive(Path& path, const PathStart& start, const trace::Hit& hit
   const scene::SurfaceColor color = scene::surfaceColor(scene, hit.triangle, hit.u, hit.v);
   const PathVertex next = vertexAt(scene.mesh, hit);
 
-  if (maxComponent(color.emitted_radiance_rgb) > 0.0f && (component != Component::indirect || path.depth > 0)) {
+  // Without emitters in the context somebody else counts their light.
+  if (maxComponent(color.emitted_radiance_rgb) > 0.0f && !emitters.empty() && (component != Component::indirect || path.depth > 0)) {
     const Vec3 way = next.position - path.vertex.position;
     const float distance2 = way.length2();
     const float cos_emitter = std::abs(way.dot(next.geometric_normal)) / std::sqrt(distance2);
