@@ -193,14 +193,18 @@ TEST(Settings, CanonicalJsonRoundTrips) {
   settings.virtual_lights = 77;
   settings.virtual_bounces = 3;
   settings.points = 4096;
+  settings.moving_lights = MovingLights::paths;
+  settings.light_paths_m = {{{1, 2, 3}, {4, 5, 6}}, {{0.5, 0, 0}}};
+  settings.geometry = false;
+  settings.keep_all = true;
   settings.environment_samples = 32;
   settings.sky_face_cells = 128;
   settings.environment = {.rotation_deg = -90, .intensity = 0.5f, .ground_radiance_rgb = {{1, 2, 0.25f}}};
   const std::string json = canonicalJson(settings);
   EXPECT_EQ(canonicalJson(settingsFromJson(json)), json);
   EXPECT_EQ(json,
-            R"({"directional":true,"environment_ground":[1.0,2.0,0.25],"environment_intensity":0.5,"environment_rotation_deg":-90.0,"environment_samples":32,)"
-            R"("light_units":"raw","lightmap_size":33,"points":4096,"portals":[],"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
+            R"({"directional":true,"environment_ground":[1.0,2.0,0.25],"environment_intensity":0.5,"environment_rotation_deg":-90.0,"environment_samples":32,"geometry":false,"keep_all":true,)"
+            R"("light_paths_m":[[[1.0,2.0,3.0],[4.0,5.0,6.0]],[[0.5,0.0,0.0]]],"light_units":"raw","lightmap_size":33,"moving_lights":"paths","points":4096,"portals":[],"prm_clusters":256,"prm_entries":4096,"prm_estimator":"walks","prm_layout":"panes",)"
             R"("probe_points_m":[[1.5,-2.0,0.25]],"probe_spacing_m":"auto","quality":"draft","radiosity_density":0.5,"refinement":-2,"seed":18446744073709551615,"sky_face_cells":128,"techniques":["prm"],"virtual_bounces":3,"virtual_light":"disk","virtual_lights":77})");
   EXPECT_EQ(settingsFromJson(json).environment, settings.environment);
   EXPECT_EQ(canonicalJson(settingsFromJson("{}")), canonicalJson(Settings{}));

@@ -98,8 +98,8 @@ TEST_F(CliEnvironmentTest, SameBytesForAnyNumberOfThreads) {
 TEST_F(CliEnvironmentTest, AnOpenRoomIsLitAndAClosedOneIsNot) {
   for (const char* scene : {"open", "closed"}) {
     const std::string file = path(std::string(scene) + ".gltf");
-    run({"bake", file, "--environment", path("sky.hdr"), "--techniques", "prm", "--lightmap-size", "24", "--quality", "preview", "-o",
-         path("o.lwc")});
+    run({"bake", file, "--environment", path("sky.hdr"), "--techniques", "prm", "--lightmap-size", "24", "--quality", "preview", "--keep-all",
+         "-o", path("o.lwc")});
     run({"verify", path("o.lwc")});
     EXPECT_TRUE(runJson({"info", path("o.lwc"), "--json"}, "info")["content"]["prm"]["has_sky"]);
     for (const std::string component : {"direct", "indirect", "total"}) {
