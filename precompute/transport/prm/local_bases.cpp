@@ -20,7 +20,7 @@ constexpr float kBasisSteps = 127.0f;
 constexpr float kDarkFloor = 0.1f;
 // The brightness, of that of the whole atlas, below which a block's texels are not weighed up any more: no texrel asks for more, and where no training light
 // arrives there would be no bound.
-constexpr float kDarkestBlock = 0.01f;
+constexpr float kDarkestBlock = 0.05f;
 // Beside the training lights, the basis is made for light on each single cluster: as strong as it typically is (at least this share of the mean), with
 // this weight against the training lights.
 constexpr float kUnseenFloor = 0.3f, kUnseenWeight = 0.25f;

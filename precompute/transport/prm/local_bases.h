@@ -14,7 +14,7 @@ struct LocalBasesOptions {
   uint32_t block_texels = 48;      // aimed at; blocks are halved where their rank does not do
   uint32_t least_texels = 8;       // blocks of fewer than twice as many are not
   uint32_t most_rank = 8;          // 1 … 64
-  float rank_error = 0.1f;         // a block's rank is the least that leaves this relative residual under the training lights, noise apart
+  float rank_error = 0.09f;         // a block's rank is the least that leaves this relative residual under the training lights, noise apart
   float wavelet_step = 0.01f;      // of a coefficient: what it changes of the block's light, relative to that light, under usual lights
   uint32_t rays = 768;             // gathered per texel
 };
