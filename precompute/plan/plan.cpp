@@ -111,7 +111,6 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
   for (int i = 0; i <= int(Technique::environment); ++i) {
     const auto technique = Technique(i);
     const std::string type(name(technique)), useless = uselessness(technique, facts);
-    const bool of_moving_light = technique == Technique::prm;
     if (!automatic && !wants(settings, technique))
       plan.omitted.push_back({type, "not asked for"});
     else if (!useless.empty())
@@ -120,7 +119,7 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
       plan.omitted.push_back({type, shut_off});
     else if (automatic && technique == Technique::radiosity && !facts.has_portals)
       plan.omitted.push_back({type, "not asked for: without doors, and as long as albedo and emission stay, the other sections have the scene's light"});
-    else if (automatic && of_moving_light && nothing_moves)
+    else if (automatic && technique == Technique::prm && nothing_moves)
       plan.omitted.push_back({type, "no light moves: section lightmap has the light of those that there are"});
     else if (automatic && technique == Technique::lightmap && !nothing_moves)
       plan.omitted.push_back({type, "not asked for: section prm has the light of lamps that may move"});

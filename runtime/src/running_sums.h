@@ -13,13 +13,13 @@ class RunningSums {
   void update(const lw_prm& prm, const float* cluster_rgb, float tolerance);
 
   /// [PrmLinks::stride()] of a block.
-  const float* sums(const lw_prm& prm, size_t block) const { return SumMemory(prm, scratch_.data()).sums + block * prm.links.stride(); }
+  const float* sums(const lw_prm& prm, size_t block) { return SumMemory(prm, scratch_.data()).sums + block * prm.links.stride(); }
   /// Whether a block's sums changed since the last forget().
-  bool touched(const lw_prm& prm, size_t block) const { return SumMemory(prm, scratch_.data()).touched[block] != 0; }
+  bool touched(const lw_prm& prm, size_t block) { return SumMemory(prm, scratch_.data()).touched[block] != 0; }
   void forget(const lw_prm& prm);
 
  private:
-  mutable Array<float> scratch_;
+  Array<float> scratch_;  // SumMemory
   uint32_t updates_ = 0;  // since all was summed anew
   float brightest_ = 0;   // wavelet in those updates
 };

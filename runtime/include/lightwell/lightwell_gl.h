@@ -147,6 +147,8 @@ LW_API lw_result lw_gl_upload_cluster_irradiance(lw_gl_prm *gl_prm, const float 
 /* lw_prm_evaluate on the GPU, from the cluster averages of the last update, into the atlas texture. The brightest panes are ranked on
  * the GPU. Local bases: see lw_gl_update_coefficients.
  *
+ * Local bases keep, in the library's own atlas texture, the texels whose light has not changed since the last call: nobody else may write to it.
+ *
  * options: as lw_prm_evaluate's; NULL for LW_PRM_OPTIONS_INIT. */
 LW_API lw_result lw_gl_evaluate(lw_gl_prm *gl_prm, const lw_prm_options *options);
 
