@@ -86,7 +86,7 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
                   "With radiosity: a lattice of probes for moving objects, METRES apart; auto: by the scene's size (up to 2,000 at production, 1,000, 500); 0: none")
       ->type_name("METRES|auto")
       ->capture_default_str();
-  command.add_option("--probes", options.probes, "With radiosity: more probes, at the points of {\"probes\": [[x, y, z], ...]}, metres in the scene's own coordinates")
+  command.add_option("--probes", options.probes, "With prm or radiosity: probes for moving objects, at the points of {\"probes\": [[x, y, z], ...]}, metres in the scene's own coordinates")
       ->type_name("PROBES.json");
   command
       .add_option("--portal", options.request.settings.portals,

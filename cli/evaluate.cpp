@@ -67,20 +67,6 @@ std::vector<Rgb> lightOfLamps(Session& session, const Options& options, const ba
       .irradiance_rgb;
 }
 
-/// What the section "prm" adds, one value per slot. `sky`: LW_SKY_… bits that it may add.
-std::vector<Rgb> lightOfTransport(Session& session, const Options& options, Component component, uint32_t sky, const RuntimeContainer& runtime,
-                                  const bake::ContainerScene& container, const trace::Tracer& tracer) {
-  PrmEvaluation evaluation{.container = runtime, .scene = container.scene, .tracer = tracer, .lights = {}, .brightest = options.brightest};
-  if (component != Component::direct) {
-    evaluation.lights = container.scene.lights;
-    evaluation.emitters |= LW_EMITTERS_INDIRECT | (sky & LW_SKY_INDIRECT);
-  }
-  if (component != Component::indirect) evaluation.emitters |= LW_EMITTERS_DIRECT | (sky & LW_SKY_DIRECT);
-  session.console.progress("transport", "transport …");
-  const std::vector<float> atlas_rgba = options.evaluator == "gl" ? evaluatePrmOnGl(evaluation) : evaluatePrmOnCpu(evaluation);
-  return valuesOfSlots(container.atlas, atlas_rgba);
-}
-
 /// PROBES: schemas/probes.schema.json.
 void writeProbes(Session& session, const fs::path& file, const scene::Scene& scene, const ProbeLight& light) {
   nlohmann::json probes = nlohmann::json::array();
@@ -96,6 +82,25 @@ void writeProbes(Session& session, const fs::path& file, const scene::Scene& sce
   const std::string text = nlohmann::json{{"probes", probes}}.dump() + "\n";
   writeOutput(session, file, [&] { format::writeFileAtomically(file, std::vector<uint8_t>(text.begin(), text.end())); });
   session.console.line(file.string() + ": light of " + std::to_string(probes.size()) + " probes");
+}
+
+/// What the section "prm" adds, one value per slot. `sky`: LW_SKY_… bits that it may add.
+std::vector<Rgb> lightOfTransport(Session& session, const Options& options, Component component, uint32_t sky, const RuntimeContainer& runtime,
+                                  const bake::ContainerScene& container, const trace::Tracer& tracer) {
+  PrmEvaluation evaluation{.container = runtime, .scene = container.scene, .tracer = tracer, .lights = {}, .brightest = options.brightest};
+  if (component != Component::direct) {
+    evaluation.lights = container.scene.lights;
+    evaluation.emitters |= LW_EMITTERS_INDIRECT | (sky & LW_SKY_INDIRECT);
+  }
+  if (component != Component::indirect) evaluation.emitters |= LW_EMITTERS_DIRECT | (sky & LW_SKY_DIRECT);
+  session.console.progress("transport", "transport …");
+  const std::vector<float> atlas_rgba = options.evaluator == "gl" ? evaluatePrmOnGl(evaluation) : evaluatePrmOnCpu(evaluation);
+  if (options.probes_out) {
+    const CpuPrm prm(runtime);
+    writeProbes(session, *options.probes_out, container.scene,
+                prm.evaluateProbes(prm.clusterIrradiance(container.scene, tracer, evaluation.lights), component != Component::indirect));
+  }
+  return valuesOfSlots(container.atlas, atlas_rgba);
 }
 
 /// What the section "radiosity" adds, one value per slot.
@@ -188,8 +193,8 @@ void run(Session& session, const Options& options) {
   if (!options.dynamic) checkHas(options.technique, options, reader);
   else if (options.dynamic_shadows) checkHas("points", options, reader);
   checkHas("geometry", options, reader);
-  if (options.probes_out && !by_patches) throw UsageError("--probes-out: only --technique radiosity lights probes");
-  if (options.probes_out) checkHas("probes", options, reader);
+  if (options.probes_out && !by_patches && options.technique != "prm") throw UsageError("--probes-out: only --technique prm and radiosity light probes");
+  if (options.probes_out) checkHas(by_patches ? "probes" : "prm_probes", options, reader);
   if (component == Component::indirect && !by_patches && !baked && !by_virtual_lights) checkHas("prm", options, reader);
   Diagnostics diagnostics;
   session.console.progress("open", "open …");
@@ -256,7 +261,7 @@ void addEvaluate(CLI::App& app, Session& session) {
                    "instead of from rays")
       ->type_name("N")
       ->check(CLI::Range(8u, 4096u));
-  command->add_option("--probes-out", options->probes_out, "Radiosity only: write what the container's probes receive as spherical harmonics (schemas/probes.schema.json)")
+  command->add_option("--probes-out", options->probes_out, "With prm or radiosity: write what the container's probes receive as spherical harmonics (schemas/probes.schema.json)")
       ->type_name("FILE.json");
   addPortalStates(*command, options->portals, "Radiosity only: how far the portal of that name is open");
   addLights(*command, options->lights);

@@ -121,6 +121,11 @@ json contentJson(const format::Reader& reader) {
     content["vpl"] = {{"lights", vpl.lights()}, {"of_type", of_type}, {"vertices", vpl.vertices()}, {"sources", vpl.sources()}, {"clustered_from", vpl.points()}};
   }
   if (reader.has("points", "header")) content["points"] = {{"points", reader.points().points()}, {"area_m2", reader.points().area()}};
+  if (reader.has("prm_probes", "header"))
+    content["prm_probes"] = {{"probes", reader.prmProbes().probes()},
+                             {"max_rank", reader.prmProbes().max_rank()},
+                             {"has_emitter", reader.prmProbes().has_emitter()},
+                             {"links", reader.has("prm_probes", "link_wavelet") ? reader.chunk("prm_probes", "link_wavelet").elements : 0}};
   if (reader.has("probes", "header")) {
     const auto probes = reader.probes();
     content["probes"] = {{"lattice_probes", probes.lattice_probes()},

@@ -44,13 +44,9 @@ std::vector<float> evaluateLightmapOnGl(const RuntimeContainer& container, uint3
   const GlContext gl(container);
   lw_gl_lightmap_options options = LW_GL_LIGHTMAP_OPTIONS_INIT;
   options.shading = &shading;
+  options.atlas_format = LW_GL_ATLAS_RGBA32F;  // an EXR holds 32-bit floats; a game is served by the half of it
   lw_gl_lightmap* raw = nullptr;
-  lw_result result = lw_gl_lightmap_create(gl.get(), map.get(), &options, &raw);
-  if (result == LW_LIMIT_EXCEEDED) {  // light beyond half floats
-    options.atlas_format = LW_GL_ATLAS_RGBA32F;
-    result = lw_gl_lightmap_create(gl.get(), map.get(), &options, &raw);
-  }
-  container.check(result);
+  container.check(lw_gl_lightmap_create(gl.get(), map.get(), &options, &raw));
   const std::unique_ptr<lw_gl_lightmap, Release> texture(raw);
   std::vector<float> atlas_rgba(size_t(info.width) * info.height * 4);
   container.check(lw_gl_lightmap_read(texture.get(), atlas_rgba.data()));

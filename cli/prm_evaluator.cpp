@@ -1,5 +1,7 @@
 #include "cli/prm_evaluator.h"
 
+#include <lightwell/lightwell_prm_probes.h>
+
 #include <array>
 #include <cmath>
 
@@ -55,6 +57,22 @@ std::vector<float> CpuPrm::evaluate(std::span<const float> cluster_irradiance_rg
   container_.check(lw_prm_evaluate(prm_.get(), cluster_irradiance_rgb.data(), &options, scratch.data(), scratch.size() * sizeof(float),
                                    atlas_rgba.data()));
   return atlas_rgba;
+}
+
+ProbeLight CpuPrm::evaluateProbes(std::span<const float> cluster_irradiance_rgb, bool emitters) const {
+  lw_prm_probes* loaded = nullptr;
+  container_.check(lw_prm_probes_load(container_.get(), prm_.get(), &loaded));
+  const std::unique_ptr<lw_prm_probes, decltype([](lw_prm_probes* p) { lw_prm_probes_release(p); })> probes(loaded);
+  lw_prm_probes_info info;
+  container_.check(lw_prm_probes_get_info(loaded, &info));
+  ProbeLight light;
+  light.position_m.assign(info.position_m, info.position_m + size_t(info.probes) * 3);
+  light.radiance_sh.resize(size_t(info.probes) * 27);
+  lw_prm_probes_evaluation evaluation = LW_PRM_PROBES_EVALUATION_INIT;
+  evaluation.emitters = emitters;
+  std::vector<float> scratch(lw_prm_probes_scratch_bytes(loaded) / sizeof(float));
+  container_.check(lw_prm_probes_evaluate(loaded, cluster_irradiance_rgb.data(), &evaluation, scratch.data(), scratch.size() * sizeof(float), light.radiance_sh.data()));
+  return light;
 }
 
 std::vector<float> evaluatePrmOnCpu(const PrmEvaluation& evaluation) {

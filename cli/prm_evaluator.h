@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "cli/probe_light.h"
 #include "cli/runtime_handles.h"
 #include "precompute/trace/tracer.h"
 
@@ -32,6 +33,8 @@ class CpuPrm {
   std::vector<float> clusterIrradiance(const scene::Scene& scene, const trace::Tracer& tracer, std::span<const scene::Light> lights) const;
   /// [height * width][4], as lw_prm_evaluate.
   std::vector<float> evaluate(std::span<const float> cluster_irradiance_rgb, const lw_prm_options& options) const;
+  /// What the probes of the section "prm_probes" receive, with the light of emitters or without.
+  ProbeLight evaluateProbes(std::span<const float> cluster_irradiance_rgb, bool emitters) const;
 
  private:
   const RuntimeContainer& container_;

@@ -3,17 +3,13 @@
 #include <optional>
 #include <vector>
 
+#include "cli/probe_light.h"
 #include "cli/runtime_handles.h"
 #include "precompute/bake/container_scene.h"
 #include "precompute/core/parallel.h"
 #include "precompute/trace/tracer.h"
 
 namespace lightwell::cli {
-
-/// What probes receive: positions in the container's coordinates, [probes][3], and lw_probes_evaluate's coefficients, [probes][9][3].
-struct ProbeLight {
-  std::vector<float> position_m, radiance_sh;
-};
 
 struct RadiosityEvaluation {
   const RuntimeContainer& container;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/stress/evaluators.h"
 #include "cli/stress/run.h"
 
 namespace lightwell::cli {
@@ -12,7 +13,7 @@ namespace {
 
 struct Options {
   stress::Selection selection;
-  std::string techniques = "auto";
+  std::string techniques = "auto", evaluator = "auto";
   bool fast = false, list = false, json = false, verbose = false;
   int threads = 0;
 };
@@ -35,6 +36,16 @@ void list(const Options& options) {
   }
 }
 
+/// Whether to evaluate on OpenGL, too.
+bool withGl(Session& session, const std::string& evaluator) {
+  if (evaluator == "cpu") return false;
+  const std::optional<std::string> reason = stress::reasonWithoutGl();
+  if (!reason) return true;
+  if (evaluator == "gl") throw UsageError("--evaluator gl: " + *reason);
+  session.console.line("without OpenGL: " + *reason);
+  return false;
+}
+
 /// One line of the table.
 std::string lineOf(const stress::Row& row) {
   char seconds[32];
@@ -53,6 +64,7 @@ void run(Session& session, Options& options) {
   if (std::none_of(cases.begin(), cases.end(), [&](const stress::Case& one) { return stress::selects(options.selection, one); }))
     throw UsageError("--filter " + options.selection.filter + ": no case has such a name; --list names them");
   if (options.list) return list(options);
+  options.selection.gl = withGl(session, options.evaluator);
   const auto begin = [&](const stress::Case& one, plan::Technique technique) {
     session.console.progress(one.name, one.name + ", " + std::string(plan::name(technique)) + " …");
   };
@@ -76,12 +88,16 @@ void addStress(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand("stress", "Bake and evaluate stiff and extreme scenes, and compare with what is exact or expected");
   command->add_option("--filter", options->selection.filter, "Only cases with such a name; * stands for anything, ? for one character")->type_name("GLOB")->capture_default_str();
   command->add_option("--techniques", options->techniques, "auto: each technique to which a case applies; or a list such as prm,lightmap")->type_name("LIST")->capture_default_str();
+  command->add_option("--evaluator", options->evaluator, "cpu; gl: that and OpenGL, which must agree; auto: OpenGL where there is any")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"auto", "cpu", "gl"}))
+      ->capture_default_str();
   command->add_flag("--fast", options->fast, "Leave out cases that take many seconds or gigabytes");
   CLI::Option* list = command->add_flag("--list", options->list, "Name the cases and what each holds, and run none");
   command->add_flag("--verbose", options->verbose, "Show every check, not only the telling one of each case");
   command->add_flag("--json", options->json, "Print all checks on stdout (schemas/stress.schema.json)")->excludes(list);
   addThreads(*command, options->threads);
-  command->footer(R"(Scenes are made for the purpose, baked as drafts into a folder for temporary files, and evaluated by the runtime on the CPU.
+  command->footer(R"(Scenes are made for the purpose, baked as drafts into a folder for temporary files, and evaluated by the runtime on the CPU and on OpenGL without a window.
 Ends with 0 when every case passed and with 1 when one did not: that is an error of lightwell.
 
 Examples:

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "cli/gl_context.h"
+#include "lightwell/lightwell_gl_dynamic.h"
 #include "precompute/bake/bake.h"
 #include "render/gl_objects.h"
 
@@ -173,6 +174,29 @@ void measureLightmap(const cli::RuntimeContainer& container, const FrameSettings
 }
 
 }  // namespace
+
+double dynamicFrameMs(const cli::RuntimeContainer& container, bool incremental, uint32_t lights, uint32_t shadow_side) {
+  struct Destroy {
+    void operator()(lw_gl_dynamic* scene) const { lw_gl_dynamic_destroy(scene); }
+    void operator()(lw_gl_lamp* lamp) const { lw_gl_lamp_destroy(lamp); }
+  };
+  const cli::GlContext gl(container);
+  lw_gl_config config = LW_GL_CONFIG_INIT;
+  config.loader = render::EglContext::load;
+  lw_gl_dynamic* raw_scene = nullptr;
+  container.check(lw_gl_dynamic_create(&config, container.get(), nullptr, &raw_scene));
+  const std::unique_ptr<lw_gl_dynamic, Destroy> scene(raw_scene);
+  lw_gl_lamp_options options = LW_GL_LAMP_OPTIONS_INIT;
+  options.lights = lights, options.shadow_side = shadow_side, options.incremental = incremental;
+  lw_gl_lamp* raw_lamp = nullptr;
+  container.check(lw_gl_lamp_create(scene.get(), &options, &raw_lamp));
+  const std::unique_ptr<lw_gl_lamp, Destroy> lamp(raw_lamp);
+  return medianMs([&](const lw_light& light) {
+    container.check(lw_gl_lamp_update(lamp.get(), &light, nullptr));
+    container.check(lw_gl_dynamic_gather(scene.get(), &raw_lamp, 1, nullptr));
+    glFinish();
+  }, lampsOf(container));
+}
 
 void measureFrame(const cli::RuntimeContainer& container, const format::Reader& reader, const std::string& technique, const FrameSettings& settings, Evaluated& evaluated) {
   if (technique == "prm") measurePrm(container, reader, settings, evaluated);

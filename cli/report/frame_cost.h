@@ -16,5 +16,7 @@ struct FrameSettings {
 /// with its shadow maps drawn before on OpenGL), and from there to all texels of the atlas. Light maps have nothing to do in a frame: 0 ms. Virtual lights are drawn once; their frame is 0 ms too.
 /// Throws UsageError without OpenGL.
 void measureFrame(const cli::RuntimeContainer& container, const format::Reader& reader, const std::string& technique, const FrameSettings& settings, Evaluated& evaluated);
+/// Such a frame of lightwell_dynamic: views of the lamp, virtual lights, shadow maps, all texels.
+double dynamicFrameMs(const cli::RuntimeContainer& container, bool incremental, uint32_t lights, uint32_t shadow_side);
 
 }  // namespace lightwell::report

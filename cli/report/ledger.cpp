@@ -28,10 +28,11 @@ Ledger::Ledger(const fs::path& folder, std::string key, bool fresh) : folder_(fo
     if (!present(folder_ / maps.at(0).get<std::string>()) || !present(folder_ / maps.at(1).get<std::string>())) return;
     reference = json.at("reference").get<Reference>();
     bakes_ = json.at("bakes").get<std::vector<Baked>>();
-    sky = json.at("sky").get<std::vector<SkyAnswer>>();
+    sky = json.at("sky").get<std::vector<SkyAnswer>>(), shadowed_sky = json.at("shadowed_sky").get<std::vector<SkyAnswer>>();
+    live_lamps = json.at("live_lamps").get<std::vector<LampAnswer>>();
     if (!json.at("rays").is_null()) rays = json.at("rays").get<RayRate>();
   } catch (const nlohmann::json::exception&) {  // of another version, or damaged: all is measured anew
-    reference.reset(), rays.reset(), bakes_.clear(), sky.clear();
+    reference.reset(), rays.reset(), bakes_.clear(), sky.clear(), shadowed_sky.clear(), live_lamps.clear();
   }
 }
 
@@ -47,7 +48,7 @@ void Ledger::add(const Baked& baked) {
 }
 
 void Ledger::save() const {
-  const std::string text = nlohmann::json{{"key", key_}, {"reference", reference ? nlohmann::json(*reference) : nlohmann::json(nullptr)}, {"bakes", bakes_}, {"sky", sky},
+  const std::string text = nlohmann::json{{"key", key_}, {"reference", reference ? nlohmann::json(*reference) : nlohmann::json(nullptr)}, {"bakes", bakes_}, {"sky", sky}, {"shadowed_sky", shadowed_sky}, {"live_lamps", live_lamps},
                                           {"rays", rays ? nlohmann::json(*rays) : nlohmann::json(nullptr)}}
                                .dump(1);
   format::writeFileAtomically(folder_ / kFile, std::vector<uint8_t>(text.begin(), text.end()));

@@ -13,7 +13,8 @@ class Ledger {
   Ledger(const std::filesystem::path& folder, std::string key, bool fresh);
 
   std::optional<Reference> reference;
-  std::vector<SkyAnswer> sky;
+  std::vector<SkyAnswer> sky, shadowed_sky;
+  std::vector<LampAnswer> live_lamps;
   std::optional<RayRate> rays;
   /// A finished bake whose container and maps are still there; null without one.
   const Baked* find(const std::string& key) const;

@@ -195,6 +195,7 @@ std::string pageOf(const fs::path& folder, const Report& report, const std::vect
   page += chapter(plots, "size", "Size and memory");
   page += chapter(plots, "frame", "In the game");
   page += chapter(plots, "load", "While a level loads");
+  page += chapter(plots, "live", "Lamps without a bake");
   page += chapter(plots, "sky", "Sky");
   page += picturesText(folder, pictures) + tables(report) + method(report);
   return page + "</body>\n</html>\n";

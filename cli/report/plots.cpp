@@ -6,6 +6,7 @@
 #include "cli/report/chart.h"
 #include "cli/report/ladder.h"
 #include "cli/report/line_fit.h"
+#include "cli/report/live.h"
 
 namespace lightwell::report {
 namespace {
@@ -137,7 +138,8 @@ Chart skyChart(const Report& report, uint32_t shininess, bool by_seconds) {
   Chart chart{.title = shininess == 1 ? "The sky alone: diffuse light" : "The sky alone: gloss of shininess 100",
               .x_title = by_seconds ? "seconds of the bake" : "cells: shadowed directional lights that a game draws", .y_title = "error (rms of all directions)", .y_percent = true, .curves = {}, .levels = {}};
   const struct { const char *model, *label, *color; bool dashed; } models[] = {{"sky", "sky nodes and suns (unshadowed)", "#0068b0", false}, {"spread", "cells, spread", "#00845f", false},
-                                                                               {"paper", "cells, paper’s blend", "#e79a5b", true}, {"one sample", "one sample a cell", "#c24e00", true}};
+                                                                               {"paper", "cells, paper’s blend", "#e79a5b", true}, {"one sample", "one sample a cell", "#c24e00", true},
+                                                                               {"shadowed, rays", "shadowed on the surfaces, rays", "#222222", false}, {"shadowed, OpenGL", "shadowed, OpenGL’s depth maps", "#8a3c8f", false}};
   for (const auto& model : models) {
     ChartCurve curve{.label = model.label, .color = model.color, .dashed = model.dashed, .joined = true, .points = {}};
     for (const SkyAnswer& answer : report.sky)
@@ -153,6 +155,19 @@ Chart skyChart(const Report& report, uint32_t shininess, bool by_seconds) {
     }
     sortByX(curve);
     chart.curves.push_back(curve);
+  }
+  return chart;
+}
+
+/// Of `lights` each, or with shadow maps of `side` each; over one of them, or over milliseconds.
+Chart lampChart(const Report& report, std::string title, std::string x_title, const std::function<bool(const LampAnswer&)>& of, const std::function<double(const LampAnswer&)>& x,
+                const std::function<std::string(const LampAnswer&)>& label) {
+  Chart chart{.title = std::move(title), .x_title = std::move(x_title), .y_title = "error after one reflection (relrmse)", .y_percent = true, .curves = {}, .levels = {}};
+  for (const bool incremental : {false, true}) {
+    ChartCurve curve{.label = incremental ? "incremental lights" : "lights anew in each frame", .color = incremental ? "#00845f" : "#c24e00", .dashed = false, .joined = true, .points = {}};
+    for (const LampAnswer& answer : report.live_lamps)
+      if (answer.incremental == incremental && of(answer)) curve.points.push_back({x(answer), answer.relrmse, label(answer), 0, 0});
+    if (!curve.points.empty()) sortByX(curve), chart.curves.push_back(curve);
   }
   return chart;
 }
@@ -186,9 +201,19 @@ std::vector<Plot> plotsOf(const Report& report) {
       byFrame(report, "Error against bytes read per frame", "bytes for each texel of the atlas", [](const Evaluated& e) { return e.fetched_bytes_per_texel; }),
       "What a frame reads of the decoded container, shared data spread over all texels: what bounds the speed on a graphics card.");
   add("error_by_load_ms.svg", "load", byLoad(report), "Virtual lights are drawn once, while a level loads; each light has a shadow map of its own. Light is there piece by piece, from the first light on.");
+  const auto of_counts = [](const LampAnswer& a) { return a.shadow_side == kLampShadowSide; };
+  const auto of_sides = [](const LampAnswer& a) { return a.lights == kLampLights; };
+  const auto count = [](const LampAnswer& a) { return std::to_string(a.lights); };
+  add("lamps_by_lights.svg", "live", lampChart(report, "Error against the number of virtual lights", "virtual lights of each lamp", of_counts, [](const LampAnswer& a) { return double(a.lights); }, [](const LampAnswer&) { return ""; }),
+      "The first reflection of lamps that nothing was baked for (lightwell_dynamic), against path tracing that ends there: reflective shadow maps, virtual lights, imperfect shadow maps of 32 × 32 texels.");
+  add("lamps_by_shadow_map.svg", "live", lampChart(report, "Error against the size of shadow maps", "texels along the shadow map of each of 256 virtual lights", [&](const LampAnswer& a) { return of_sides(a) && a.shadow_side > 0; },
+                                                   [](const LampAnswer& a) { return double(a.shadow_side); }, [](const LampAnswer&) { return ""; }),
+      "The same by the size of the virtual lights’ own shadow maps.");
+  add("lamps_by_frame_ms.svg", "live", lampChart(report, "Error against time per frame", "milliseconds per frame on OpenGL, one lamp has moved", of_counts, [](const LampAnswer& a) { return a.gl_ms; }, count),
+      "What a frame costs in which one lamp has moved: its views, its virtual lights and their shadow maps, and all texels of the atlas. Numbers are virtual lights. Incremental ones are placed anew sixteen a frame.");
   for (const uint32_t shininess : {1u, 100u})
     add(shininess == 1 ? "sky_diffuse_by_cells.svg" : "sky_glossy_by_cells.svg", "sky", skyChart(report, shininess, false),
-        "The light of the whole sky without anything in the way, against quadrature over the map. The nodes answer light without shadows; the cells are what shadows are cast with.");
+        "The light of the whole sky without anything in the way, against quadrature over the map. The nodes answer light without shadows; the cells are what shadows are cast with; how well these light the scene’s surfaces is compared with path tracing there.");
   add("sky_glossy_by_seconds.svg", "sky", skyChart(report, 100, true), "The same against the time of the bake; numbers are cells.");
   return plots;
 }

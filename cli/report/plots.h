@@ -9,7 +9,7 @@ namespace lightwell::report {
 
 struct Plot {
   std::string file;      // in the report's folder
-  std::string chapter;   // of the page: "bake", "size", "frame", "load", "sky"
+  std::string chapter;   // of the page: "bake", "size", "frame", "load", "live", "sky"
   std::string caption;   // plain text
   std::string svg;
 };

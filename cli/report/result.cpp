@@ -81,6 +81,14 @@ void from_json(const json& j, SkyAnswer& a) {
   a.relrmse = numberOf(j.at("relrmse"));
 }
 
+void to_json(json& j, const LampAnswer& a) {
+  j = {{"incremental", a.incremental}, {"lights", a.lights}, {"shadow_side", a.shadow_side}, {"relrmse", number(a.relrmse)}, {"gl_ms", a.gl_ms}};
+}
+void from_json(const json& j, LampAnswer& a) {
+  j.at("incremental").get_to(a.incremental), j.at("lights").get_to(a.lights), j.at("shadow_side").get_to(a.shadow_side), j.at("gl_ms").get_to(a.gl_ms);
+  a.relrmse = numberOf(j.at("relrmse"));
+}
+
 void to_json(json& j, const RayRate& r) { j = {{"tracer_mrays_per_cpu_s", r.tracer_mrays}, {"raw_mrays_per_cpu_s", r.raw_mrays}, {"raw_robust_mrays_per_cpu_s", r.raw_robust_mrays}}; }
 void from_json(const json& j, RayRate& r) {
   j.at("tracer_mrays_per_cpu_s").get_to(r.tracer_mrays), j.at("raw_mrays_per_cpu_s").get_to(r.raw_mrays), j.at("raw_robust_mrays_per_cpu_s").get_to(r.raw_robust_mrays);
@@ -102,7 +110,7 @@ void to_json(json& j, const Report& r) {
   for (const Skipped& one : r.skipped) skipped.push_back({{"what", one.what}, {"reason", one.reason}});
   j = {{"scene", r.scene}, {"environment", r.environment}, {"version", r.version}, {"key", r.key}, {"lights", r.lights}, {"made_lights", r.made_lights}, {"lightmap_size", r.lightmap_size},
        {"threads", r.threads}, {"texels", r.texels}, {"triangles", r.triangles}, {"lamps", r.lamps}, {"budget_s", r.budget_s}, {"seconds", r.seconds}, {"stage_seconds", r.stage_seconds},
-       {"measured", r.measured}, {"reused", r.reused}, {"has_gl", r.has_gl}, {"reference", r.reference}, {"bakes", r.bakes}, {"sky", r.sky},
+       {"measured", r.measured}, {"reused", r.reused}, {"has_gl", r.has_gl}, {"reference", r.reference}, {"bakes", r.bakes}, {"sky", r.sky}, {"live_lamps", r.live_lamps},
        {"rays", r.rays ? json(*r.rays) : json(nullptr)}, {"skipped", skipped}};
 }
 

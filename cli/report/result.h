@@ -43,9 +43,17 @@ struct Baked {
   std::vector<Evaluated> evaluated;
 };
 
-/// Answers of a sky's cells against quadrature over the map, nothing in the way.
+/// One reflection of the scene's lamps that OpenGL finds anew in each frame, against path tracing that ends after one.
+struct LampAnswer {
+  bool incremental = false;       // virtual lights stay in place while the lamp shines there
+  uint32_t lights = 0, shadow_side = 0;  // virtual lights of each lamp, texels along their shadow maps (0: none)
+  double relrmse = 0;
+  double gl_ms = 0;               // of a frame in which one lamp has moved
+};
+
+/// Answers of a sky's cells against quadrature over the map, nothing in the way; the shadowed models on the scene's surfaces against path tracing.
 struct SkyAnswer {
-  std::string model;              // "sky", "spread", "paper", "one sample"
+  std::string model;              // "sky", "spread", "paper", "one sample", "shadowed, rays", "shadowed, OpenGL"
   uint32_t shininess = 1;         // 1: irradiance
   uint32_t cells = 0;             // lights that a game draws
   double seconds = 0;             // of the bake
@@ -84,6 +92,7 @@ struct Report {
   Reference reference;
   std::vector<Baked> bakes;
   std::vector<SkyAnswer> sky;
+  std::vector<LampAnswer> live_lamps;
   std::optional<RayRate> rays;
   std::vector<Skipped> skipped;
 };
@@ -92,6 +101,8 @@ void to_json(nlohmann::json& json, const Baked& baked);
 void from_json(const nlohmann::json& json, Baked& baked);
 void to_json(nlohmann::json& json, const SkyAnswer& answer);
 void from_json(const nlohmann::json& json, SkyAnswer& answer);
+void to_json(nlohmann::json& json, const LampAnswer& answer);
+void from_json(const nlohmann::json& json, LampAnswer& answer);
 void to_json(nlohmann::json& json, const RayRate& rate);
 void from_json(const nlohmann::json& json, RayRate& rate);
 void to_json(nlohmann::json& json, const Reference& reference);

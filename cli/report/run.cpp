@@ -7,6 +7,7 @@
 #include "cli/report/page.h"
 #include "cli/report/plots.h"
 #include "cli/report/rays.h"
+#include "cli/report/live.h"
 #include "cli/report/sky.h"
 #include "cli/report/time_box.h"
 #include "format/encode/atomic_file.h"
@@ -22,6 +23,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kReferenceShare = 0.2, kLargestShare = 0.5;  // of the budget, and of what is left of it
 constexpr double kPage_s = 3;                                 // for plots and pictures
+constexpr double kLiveShare = 0.1;                             // of the budget, for what is not of a bake
+constexpr uint32_t kMostLiveSamples = 64;                     // of references that hold one reflection, or straight light alone
 
 bool openGlWorks() {
   try {
@@ -54,7 +57,14 @@ class Run {
     traceReferences(ledger);
     measureGiven();
     climb(ledger);
-    if (options.source.environment) measureSky(ledger, options);
+    if (options.source.environment) {
+      measureOnce(ledger, "sky", ledger.sky, [&](const CancelFlag& cancel) { return measureSky(options.source, options.settings, options.threads, cancel); });
+      measureOnce(ledger, "shadowed sky", ledger.shadowed_sky, [&](const CancelFlag& cancel) { return measureShadowedSky(liveBench(options, cancel)); });
+    }
+    if (options.gl && !laboratory_->context().scene().lights.empty())
+      measureOnce(ledger, "lamps without a bake", ledger.live_lamps, [&](const CancelFlag& cancel) { return measureLamps(liveBench(options, cancel)); });
+    report_.sky = ledger.sky, report_.live_lamps = ledger.live_lamps;
+    report_.sky.insert(report_.sky.end(), ledger.shadowed_sky.begin(), ledger.shadowed_sky.end());
     if (!ledger.rays && secondsLeft() > 0) ledger.rays = measureRays(laboratory_->context()), ledger.save();
     report_.rays = ledger.rays;
     report_.seconds = elapsed();
@@ -102,7 +112,7 @@ class Run {
         report_.bakes.push_back(*finished), ++report_.reused;
         continue;
       }
-      const double expected = secondsOf(rung), left = secondsLeft();
+      const double expected = secondsOf(rung), left = secondsLeft() - kLiveShare * request_.budget_s;
       if (left <= 0 || expected > left) {
         report_.skipped.push_back({name, left <= 0 ? "the budget was used up" : "expected to take " + secondsText(expected) + ", with " + secondsText(left) + " of the budget left"});
         continue;
@@ -139,19 +149,22 @@ class Run {
     }
   }
 
-  void measureSky(Ledger& ledger, const LaboratoryOptions& options) {
-    if (ledger.sky.empty()) {
-      progress("sky", "sky");
-      TimeBox box(cancel(), begin_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(request_.budget_s - kPage_s)));
-      try {
-        ledger.sky = report::measureSky(options.source, options.settings, options.threads, box.flag());
-        ledger.save();
-      } catch (const Cancelled&) {
-        cancel().check();
-        report_.skipped.push_back({"sky", "the budget was used up"});
-      }
+  LiveBench liveBench(const LaboratoryOptions& options, const CancelFlag& cancel) const { return {laboratory_->context(), options, std::min(report_.reference.samples, kMostLiveSamples), cancel}; }
+
+  /// What is not of a bake: unless an earlier run has done it, with what is left of the budget.
+  template <class Answers, class Measure>
+  void measureOnce(Ledger& ledger, const std::string& name, Answers& answers, const Measure& measure) {
+    if (!answers.empty()) return;
+    progress(name, name);
+    TimeBox box(cancel(), begin_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(request_.budget_s - kPage_s)));
+    try {
+      box.flag().check();
+      answers = measure(box.flag());
+      ledger.save();
+    } catch (const Cancelled&) {
+      cancel().check();
+      report_.skipped.push_back({name, "the budget was used up"});
     }
-    report_.sky = ledger.sky;
   }
 
   cli::Session& session_;

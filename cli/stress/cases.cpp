@@ -6,7 +6,7 @@ namespace lightwell::stress {
 
 std::vector<Case> allCases() {
   std::vector<Case> all;
-  for (const auto& group : {placeCases(), reflectionCases(), lightCases(), geometryCases(), skyCases(), sizeCases()}) all.insert(all.end(), group.begin(), group.end());
+  for (const auto& group : {placeCases(), reflectionCases(), lightCases(), geometryCases(), skyCases(), dynamicCases(), sizeCases()}) all.insert(all.end(), group.begin(), group.end());
   return all;
 }
 

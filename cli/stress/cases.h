@@ -12,6 +12,7 @@ struct Case {
   std::vector<plan::Technique> techniques;  // to which it applies
   void (*run)(Trial&);
   bool slow = false;        // many seconds or gigabytes
+  bool needs_gl = false;    // has no evaluation on the CPU
 };
 
 std::vector<Case> placeCases();       // scale, origin, mirrors
@@ -19,6 +20,7 @@ std::vector<Case> reflectionCases();  // albedo, bounces, convergence
 std::vector<Case> lightCases();       // lamps and emitters
 std::vector<Case> geometryCases();    // faces that modelling programs should not write, and do
 std::vector<Case> skyCases();         // leaks, suns, lobes
+std::vector<Case> dynamicCases();     // lamps that nothing was baked for
 std::vector<Case> sizeCases();        // none, one and very many of something
 
 /// All of them, in this order.

@@ -43,6 +43,24 @@ void closedBox(Trial& trial, double thickness_m) {
   trial.expectAtMost("greatest irradiance inside", lit.mostLuminance(inside), 1e-3 * 1000 * std::numbers::pi);
 }
 
+/// What comes from infinitely far does not depend on how large a scene is, nor on where.
+void placed(Trial& trial, const Placement& placement) {
+  ImageRgba sky = constantSky(1);
+  for (size_t i = 0; i < sky.pixels.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) sky.pixels[i][c] += 4 * float(i % size_t(sky.width)) / float(sky.width);  // from one side more than from the other
+  GltfDocument scene;
+  const uint32_t grey = scene.material({});
+  scene.quad({-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, grey);
+  scene.box({-1, 0, -1}, {0, 1.5, 0}, grey, false);
+  scene.layOut(1);
+  const Trial::Setup setup{.component = allOf(trial), .sky = &sky};
+  const Lit here = trial.light(scene, setup);
+  scene.place(placement);
+  const Lit there = trial.light(scene, setup);
+  trial.expectSection(there, true);
+  trial.expectSame("the same scene", there, here, 1, 0.1);
+}
+
 /// One texel of the map is a sun of radiance 1e9; the floor's irradiance is the sum of both.
 void sunInSky(Trial& trial) {
   constexpr int kWidth = 512;
@@ -58,10 +76,6 @@ void sunInSky(Trial& trial) {
   trial.expectSection(lit, true);
   trial.expectNear("mean irradiance", lit.meanLuminance(), std::numbers::pi + 1e9 * solid_angle_sr * std::cos(theta), 0.02);
 }
-
-struct ReleaseContainerEnvironment {
-  void operator()(lw_environment* environment) const { lw_environment_release(environment); }
-};
 
 /// A lobe cos^n about any direction of a sky of radiance 2 holds 4π / (n + 1), about a normal 2π.
 void lobes(Trial& trial, uint32_t cells, uint32_t face_cells) {
@@ -105,6 +119,9 @@ std::vector<Case> skyCases() {
   return {
       {"closed-box", "walls of 5 cm under a bright sky: inside at most 0.1 % of outside", kOfSkies, [](Trial& trial) { closedBox(trial, 0.05); }},
       {"closed-box-thin", "walls of two faces in one place under a bright sky: inside at most 0.1 % of outside", kOfSkies, [](Trial& trial) { closedBox(trial, 0); }},
+      {"sky-scale-1e-4", "a scene of any size has the same irradiance from the sky", kOfSkies, [](Trial& trial) { placed(trial, {.scale = 1e-4}); }},
+      {"sky-scale-1e6", "a scene of any size has the same irradiance from the sky", kOfSkies, [](Trial& trial) { placed(trial, {.scale = 1e6}); }},
+      {"sky-far-1e6", "1,000 km from the origin: the same irradiance from the sky", kOfSkies, [](Trial& trial) { placed(trial, {.translation_m = {1e6, -1e6, 1e6}, .by_nodes = true}); }},
       {"sun-in-sky-1e9", "a texel of radiance 1e9 in a sky of 1: the floor has the sum of both", kOfSkies, sunInSky},
       {"black-sky", "nothing received, or the section left out with a reason", kOfSkies, blackSky},
       {"lobes-128", "a constant sky: lobes of shininess 1 to 1e5 and of any roughness are exact", environment, [](Trial& trial) { lobes(trial, 128, 64); }},

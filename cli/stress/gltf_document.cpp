@@ -164,14 +164,17 @@ void GltfDocument::write(const std::filesystem::path& glb) const {
     if (!lightmap_uv.empty()) attributes["TEXCOORD_1"] = buffer.add(lightmap_uv, 2, kFloat);
     primitives.push_back({{"attributes", attributes}, {"indices", buffer.add(indices, 1, kUnsignedInt)}, {"material", m}});
   }
-  if (!primitives.empty()) {
+  const auto addInstance = [&](const Placement& at) {
     json node{{"mesh", 0}};
-    if (placement_.by_nodes) {
-      const Vec3d& t = placement_.translation_m;
-      node["translation"] = {t.x, t.y, t.z};
-      node["scale"] = {scale * side, scale, scale};
+    if (at.by_nodes) {
+      node["translation"] = {at.translation_m.x, at.translation_m.y, at.translation_m.z};
+      node["scale"] = {at.scale * (at.mirrored ? -1 : 1), at.scale, at.scale};
     }
     nodes.push_back(node);
+  };
+  if (!primitives.empty()) {
+    addInstance(placement_);
+    for (const Placement& at : instances_) addInstance(at);
   }
   for (const Lamp& lamp : lamps_) {
     const Vec3d p = placed(lamp.position_m);

@@ -54,6 +54,8 @@ class GltfDocument {
   /// Square metres, as written with a scale of 1.
   double area_m2() const;
   void place(const Placement& placement) { placement_ = placement; }
+  /// One more instance of all surfaces: a node of the same mesh, x mirrored before. Not for documents that are placed by vertices or laid out.
+  void repeat(const Vec3d& translation_m, bool mirrored) { instances_.push_back({1, translation_m, mirrored, true}); }
   void write(const std::filesystem::path& glb) const;
 
  private:
@@ -66,6 +68,7 @@ class GltfDocument {
   std::vector<Surface> surfaces_;  // by material
   std::vector<Lamp> lamps_;
   Placement placement_;
+  std::vector<Placement> instances_;  // further ones
 };
 
 }  // namespace lightwell::stress

@@ -16,11 +16,11 @@ const Check* Row::telling() const {
   return checks.empty() ? nullptr : &checks.back();
 }
 
-bool selects(const Selection& selection, const Case& one) { return (selection.slow || !one.slow) && matches(selection.filter, one.name); }
+bool selects(const Selection& selection, const Case& one) { return (selection.slow || !one.slow) && (selection.gl || !one.needs_gl) && matches(selection.filter, one.name); }
 
 std::vector<Row> runCases(const std::vector<Case>& cases, const Selection& selection, int threads, const CancelFlag& cancel,
                           const std::function<void(const Case&, plan::Technique)>& begin, const std::function<void(const Row&)>& done) {
-  const Workbench bench(threads, cancel);
+  const Workbench bench(threads, cancel, selection.gl);
   PlainCosts plain;
   std::vector<Row> rows;
   for (const Case& one : cases) {

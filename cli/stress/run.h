@@ -27,6 +27,7 @@ struct Selection {
   std::string filter = "*";                 // of names
   std::vector<plan::Technique> techniques;  // empty: all
   bool slow = true;                         // slow cases, too
+  bool gl = true;                           // also on OpenGL; else cases that need it are left out, too
 };
 /// Whether a case is in it.
 bool selects(const Selection& selection, const Case& one);

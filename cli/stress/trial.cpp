@@ -26,6 +26,38 @@ std::string percent(double share) {
   return text;
 }
 
+struct Difference {
+  double relrmse, bias;
+};
+
+/// Of `got` from factor × `like`, all channels together. Values that are no numbers make it one.
+Difference differenceOf(const std::vector<Rgb>& got, const std::vector<Rgb>& like, double factor) {
+  double difference2 = 0, square = 0, sum = 0, like_sum = 0;
+  for (size_t i = 0; i < got.size(); ++i) {
+    const Vec3d expected = Vec3d(like[i]) * factor, is(got[i]);
+    difference2 += (is - expected).length2(), square += expected.length2();
+    sum += is.x + is.y + is.z, like_sum += expected.x + expected.y + expected.z;
+  }
+  const double none = difference2 == 0 ? 0 : HUGE_VAL;
+  return {square > 0 ? std::sqrt(difference2 / square) : none, like_sum > 0 ? sum / like_sum - 1 : none};
+}
+
+/// How far OpenGL may be from the CPU. Virtual lights and a sky's cells are shadowed by depth maps there, and by rays here.
+struct GlTolerance {
+  double relrmse, bias;
+};
+
+GlTolerance glTolerance(Technique technique) {
+  switch (technique) {
+    case Technique::prm:
+    case Technique::radiosity:
+    case Technique::lightmap: return {0.001, 0.001};
+    case Technique::vpl:
+    case Technique::environment: return {0.1, 0.02};
+  }
+  return {};
+}
+
 }  // namespace
 
 GltfDocument plainRoom(const Look& look, double intensity_cd) {
@@ -44,14 +76,14 @@ plan::Settings Trial::plainSettings() {
 
 PlainCost Trial::plainCost(const Setup& setup) {
   // Small atlases cost what the technique costs at all; large ones are compared texel by texel.
-  Job job{.sky = setup.sky, .technique = technique_, .component = setup.component, .settings = setup.settings};
+  Job job{.sky = setup.sky, .technique = technique_, .component = setup.component, .settings = setup.settings, .dynamic = setup.dynamic};
   job.settings.lightmap_size = kPlainSize;
-  PlainCost& cost = plain_[{technique_, kPlainSize, setup.sky != nullptr, int(setup.settings.quality)}];
+  PlainCost& cost = plain_[{technique_, setup.dynamic.has_value(), setup.sky != nullptr, int(setup.settings.quality)}];
   if (cost.texels == 0) {
     const GltfDocument room = plainRoom();
     job.scene = &room;
     const Lit lit = bench_.light(job);
-    cost = {lit.rays, lit.seconds, lit.scene.atlas.slots.size()};
+    cost = {lit.rays, lit.seconds, lit.gl_seconds, lit.scene.atlas.slots.size()};
   }
   return cost;
 }
@@ -61,22 +93,35 @@ void Trial::checkCost(const Lit& lit, const GltfDocument& scene, const Setup& se
   const double share = std::max(1.0, double(lit.scene.atlas.slots.size()) / double(plain.texels));
   const double most_rays = setup.most_work * share * double(plain.rays);
   expect("rays", double(lit.rays) <= most_rays, "at most " + number(most_rays), number(double(lit.rays)));
-  const double most_seconds =
-      setup.most_work * share * plain.seconds + kSlackSeconds + kSecondsPerMillionTriangles * 1e-6 * double(scene.triangleCount());
-  expect("seconds", lit.seconds <= most_seconds, "at most " + number(most_seconds), number(lit.seconds));
+  const double slack = kSlackSeconds + kSecondsPerMillionTriangles * 1e-6 * double(scene.triangleCount());
+  expectAtMost("seconds", lit.seconds, setup.most_work * share * plain.seconds + slack);
+  if (lit.gl_irradiance_rgb) expectAtMost("OpenGL: seconds", lit.gl_seconds, setup.most_work * share * plain.gl_seconds + slack);
 }
 
-Lit Trial::light(const GltfDocument& scene, const Setup& setup) {
-  Lit lit = bench_.light({.scene = &scene, .sky = setup.sky, .technique = technique_, .component = setup.component, .settings = setup.settings});
-  rays_ += lit.rays;
+void Trial::checkNumbers(const std::string& prefix, const std::vector<Rgb>& irradiance_rgb) {
   size_t not_finite = 0, negative = 0;
-  for (const Rgb& rgb : lit.irradiance_rgb) {
+  for (const Rgb& rgb : irradiance_rgb) {
     not_finite += !isFinite(rgb);
     negative += rgb.x < 0 || rgb.y < 0 || rgb.z < 0;
   }
-  const std::string texels = std::to_string(lit.irradiance_rgb.size()) + " texels";
-  expect("finite", not_finite == 0, "all of " + texels, std::to_string(not_finite) + " are not");
-  expect("not negative", negative == 0, "all of " + texels, std::to_string(negative) + " are");
+  const std::string texels = std::to_string(irradiance_rgb.size()) + " texels";
+  expect(prefix + "finite", not_finite == 0, "all of " + texels, std::to_string(not_finite) + " are not");
+  expect(prefix + "not negative", negative == 0, "all of " + texels, std::to_string(negative) + " are");
+}
+
+void Trial::checkGl(const Lit& lit) {
+  checkNumbers("OpenGL: ", *lit.gl_irradiance_rgb);
+  const auto [relrmse, bias] = differenceOf(*lit.gl_irradiance_rgb, lit.irradiance_rgb, 1);
+  const GlTolerance most = glTolerance(technique_);
+  expect("OpenGL: as on the CPU", relrmse <= most.relrmse && std::abs(bias) <= most.bias, "relrmse " + percent(most.relrmse) + ", bias " + percent(most.bias),
+         "relrmse " + percent(relrmse) + ", bias " + percent(bias));
+}
+
+Lit Trial::light(const GltfDocument& scene, const Setup& setup) {
+  Lit lit = bench_.light({.scene = &scene, .sky = setup.sky, .technique = technique_, .component = setup.component, .settings = setup.settings, .dynamic = setup.dynamic, .on_gl = setup.on_gl});
+  rays_ += lit.rays;
+  checkNumbers("", lit.irradiance_rgb);
+  if (lit.gl_irradiance_rgb) checkGl(lit);
   expect("sound container", lit.unsound.empty(), "no issue", lit.unsound.empty() ? "none" : lit.unsound.front());
   checkCost(lit, scene, setup);
   return lit;
@@ -107,14 +152,7 @@ void Trial::expectSame(std::string_view what, const Lit& got, const Lit& like, d
     expect(what, false, std::to_string(like.irradiance_rgb.size()) + " texels", std::to_string(got.irradiance_rgb.size()) + " texels");
     return;
   }
-  double difference2 = 0, square = 0, sum = 0, like_sum = 0;
-  for (size_t i = 0; i < got.irradiance_rgb.size(); ++i) {
-    const Vec3d expected = Vec3d(like.irradiance_rgb[i]) * factor, is(got.irradiance_rgb[i]);
-    difference2 += (is - expected).length2(), square += expected.length2();
-    sum += is.x + is.y + is.z, like_sum += expected.x + expected.y + expected.z;
-  }
-  const double relrmse = square > 0 ? std::sqrt(difference2 / square) : difference2 > 0 ? HUGE_VAL : 0;
-  const double bias = like_sum > 0 ? sum / like_sum - 1 : sum;
+  const auto [relrmse, bias] = differenceOf(got.irradiance_rgb, like.irradiance_rgb, factor);
   const bool passed = relrmse <= tolerance && std::abs(bias) <= tolerance / 3;
   expect(what, passed, tolerance == 0 ? "the same bits" : "relrmse " + percent(tolerance) + ", bias " + percent(tolerance / 3), "relrmse " + percent(relrmse) + ", bias " + percent(bias));
 }

@@ -18,10 +18,10 @@ struct Check {
 /// What a plain room of the same settings costs; filled as it is asked for.
 struct PlainCost {
   uint64_t rays = 0;
-  double seconds = 0;
+  double seconds = 0, gl_seconds = 0;
   size_t texels = 0;
 };
-using PlainCosts = std::map<std::tuple<plan::Technique, int, bool, int>, PlainCost>;  // technique, size, sky, quality
+using PlainCosts = std::map<std::tuple<plan::Technique, bool, bool, int>, PlainCost>;  // technique, dynamic, sky, quality
 
 class Trial {
  public:
@@ -35,12 +35,14 @@ class Trial {
     transport::Component component = transport::Component::indirect;
     const ImageRgba* sky = nullptr;
     plan::Settings settings = plainSettings();
+    std::optional<Dynamic> dynamic;
+    bool on_gl = true;
     double most_work = 20;  // rays and seconds, in those of a plain room for each of its texels
   };
   static plan::Settings plainSettings();
 
   /// Bakes and evaluates. Checks what holds for every scene there is: no number that is not finite or is negative, a container without an issue, rays and seconds in
-  /// proportion to a plain room's.
+  /// proportion to a plain room's, on OpenGL the light of the CPU.
   Lit light(const GltfDocument& scene, const Setup& setup);
   Lit light(const GltfDocument& scene) { return light(scene, Setup{}); }
 
@@ -61,6 +63,8 @@ class Trial {
 
  private:
   PlainCost plainCost(const Setup& setup);
+  void checkNumbers(const std::string& prefix, const std::vector<Rgb>& irradiance_rgb);
+  void checkGl(const Lit& lit);
   void checkCost(const Lit& lit, const GltfDocument& scene, const Setup& setup);
   plan::Technique technique_;
   const Workbench& bench_;

@@ -5,13 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "cli/environment_evaluator.h"
-#include "cli/lightmap_evaluator.h"
-#include "cli/prm_evaluator.h"
-#include "cli/radiosity_evaluator.h"
-#include "cli/runtime_handles.h"
-#include "cli/slot_values.h"
-#include "cli/vpl_evaluator.h"
+#include "cli/stress/evaluators.h"
 #include "format/encode/atomic_file.h"
 #include "format/encode/verify.h"
 
@@ -20,42 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-using plan::Technique;
-using transport::Component;
-
-constexpr uint32_t kSamples = 16;  // points of each texel at which evaluators look
 
 double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-/// What the runtime makes of the technique's section, as `lightwell evaluate --evaluator cpu` asks it.
-std::vector<Rgb> evaluate(const Job& job, const cli::RuntimeContainer& runtime, const bake::ContainerScene& scene, const trace::Tracer& tracer, int threads,
-                          const CancelFlag& cancel) {
-  const bool direct = job.component != Component::indirect, indirect = job.component != Component::direct;
-  switch (job.technique) {
-    case Technique::prm: {
-      cli::PrmEvaluation evaluation{.container = runtime, .scene = scene.scene, .tracer = tracer, .lights = {}};
-      if (indirect) evaluation.lights = scene.scene.lights, evaluation.emitters |= LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT;
-      if (direct) evaluation.emitters |= LW_EMITTERS_DIRECT | LW_SKY_DIRECT;
-      return cli::valuesOfSlots(scene.atlas, cli::evaluatePrmOnCpu(evaluation));
-    }
-    case Technique::radiosity: {
-      const uint32_t light = (indirect ? LW_RADIOSITY_INDIRECT : 0) | (direct ? LW_RADIOSITY_EMITTERS : 0);
-      return cli::valuesOfSlots(scene.atlas, cli::evaluateRadiosityOnCpu({.container = runtime, .scene = scene, .tracer = tracer, .light = light, .samples = kSamples,
-                                                                     .portal_open = {}, .threads = threads, .cancel = &cancel}));
-    }
-    case Technique::lightmap: {
-      const uint32_t light = (direct ? LW_LIGHTMAP_DIRECT : 0) | (indirect ? LW_LIGHTMAP_INDIRECT : 0);
-      return cli::valuesOfSlots(scene.atlas, cli::evaluateLightmapOnCpu(runtime, light));
-    }
-    case Technique::vpl:
-      return cli::evaluateVplOnCpu({.container = runtime, .scene = scene, .tracer = tracer, .component = job.component, .samples = kSamples, .threads = threads,
-                                    .cancel = &cancel, .progress = [](double) {}})
-          .irradiance_rgb;
-    case Technique::environment:
-      return cli::evaluateEnvironmentOnCpu({.container = runtime, .scene = scene, .tracer = tracer, .samples = kSamples, .threads = threads, .cancel = &cancel});
-  }
-  return {};
-}
 
 }  // namespace
 
@@ -88,7 +48,7 @@ double Lit::mostLuminance(const std::function<bool(const atlas::Slot&)>& of) con
   return most;
 }
 
-Workbench::Workbench(int threads, const CancelFlag& cancel) : threads_(threads), cancel_(cancel) {
+Workbench::Workbench(int threads, const CancelFlag& cancel, bool with_gl) : threads_(threads), cancel_(cancel), with_gl_(with_gl) {
   std::string name = (fs::temp_directory_path() / "lightwell_stress_XXXXXX").string();
   if (!mkdtemp(name.data())) throw UsageError("no folder for temporary files can be made in " + fs::temp_directory_path().string());
   folder_ = name;
@@ -130,18 +90,26 @@ Lit Workbench::light(const Job& job) const {
   const auto begin = Clock::now();
   const fs::path file = bake(job, &lit);
   const format::Reader reader(file);
-  lit.baked = reader.has(std::string(plan::name(job.technique)));
-  if (reader.has("geometry")) {
-    Diagnostics diagnostics;
-    lit.scene = bake::loadContainerScene(reader, diagnostics);
-    lit.metres_per_unit = lit.scene.scene.metres_per_unit;
-    const trace::Tracer tracer(lit.scene.scene, threads_);
-    const cli::RuntimeContainer runtime(file);
-    if (lit.baked) lit.irradiance_rgb = evaluate(job, runtime, lit.scene, tracer, threads_, cancel_);
-    const auto counts = tracer.counts();
-    lit.rays += counts.closest + counts.occlusion;
+  lit.baked = job.dynamic ? reader.has("geometry") : reader.has(std::string(plan::name(job.technique)));
+  if (!reader.has("geometry")) {
+    lit.seconds = secondsSince(begin);
+    return lit;
   }
+  Diagnostics diagnostics;
+  lit.scene = bake::loadContainerScene(reader, diagnostics);
+  lit.metres_per_unit = lit.scene.scene.metres_per_unit;
+  const trace::Tracer tracer(lit.scene.scene, threads_);
+  const cli::RuntimeContainer runtime(file);
+  const Open open{.job = job, .runtime = runtime, .scene = lit.scene, .tracer = tracer, .threads = threads_, .cancel = cancel_};
+  if (lit.baked) lit.irradiance_rgb = job.dynamic ? evaluateDynamically(open, *job.dynamic) : evaluateOnCpu(open);
+  const auto counts = tracer.counts();
+  lit.rays += counts.closest + counts.occlusion;
   lit.seconds = secondsSince(begin);
+  if (with_gl_ && job.on_gl && lit.baked && !job.dynamic) {
+    const auto gl_begin = Clock::now();
+    lit.gl_irradiance_rgb = evaluateOnGl(open);
+    lit.gl_seconds = secondsSince(gl_begin);
+  }
   return lit;
 }
 

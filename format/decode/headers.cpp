@@ -128,6 +128,17 @@ bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHea
   return reader.ok() && sky_flux.complete() && radiance_sh.complete();
 }
 
+bool parsePrmProbesHeader(const uint8_t* message, size_t bytes, PrmProbesHeader& header) {
+  header = {};
+  WireReader reader(message, bytes);
+  while (reader.next()) switch (reader.field()) {
+      case 1: reader.read(header.probes); break;
+      case 2: reader.read(header.max_rank); break;
+      case 3: reader.read(header.has_emitter); break;
+    }
+  return reader.ok();
+}
+
 bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& header) {
   header = {};
   WireReader reader(message, bytes);
@@ -225,7 +236,7 @@ bool parseRadiosityHeader(const uint8_t* message, size_t bytes, RadiosityHeader&
   return reader.ok();
 }
 
-bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* light, uint32_t index) {
+bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t capacity) {
   header = {};
   WireReader reader(message, bytes);
   Vector<double, 3> origin{header.origin_m};
@@ -237,7 +248,7 @@ bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header,
       case 4: {
         Light next;
         if (!parseLight(reader.bytes(), next)) return false;
-        if (light && header.light_count == index) *light = next;
+        if (header.light_count < capacity) lights[header.light_count] = next;
         ++header.light_count;
         break;
       }

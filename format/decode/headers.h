@@ -80,6 +80,11 @@ struct ProbesHeader {
   float lattice_spacing_m = 0;
 };
 
+struct PrmProbesHeader {
+  uint32_t probes = 0, max_rank = 0;
+  bool has_emitter = false;
+};
+
 /// Of section meta.
 struct MeasuredError {
   struct Estimate {
@@ -95,13 +100,14 @@ struct MeasuredError {
 /// Values are not judged further; `verify` does that.
 bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header);
 bool parsePrmHeader(const uint8_t* message, size_t bytes, PrmHeader& header);
+bool parsePrmProbesHeader(const uint8_t* message, size_t bytes, PrmProbesHeader& header);
 bool parseEnvironmentHeader(const uint8_t* message, size_t bytes, EnvironmentHeader& header);
 bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& header);
 bool parseVplHeader(const uint8_t* message, size_t bytes, VplHeader& header);
 bool parsePointsHeader(const uint8_t* message, size_t bytes, PointsHeader& header);
 bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header);
-/// `light` may be null; otherwise it receives light number `index`, if there is one.
-bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* light, uint32_t index);
+/// `lights` receives the first `capacity` of them; it may be null when that is 0.
+bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t capacity);
 
 /// The errors of a MetaHeader, whose other fields are skipped: how many there are of `section` (empty: of all), and number `index` of these, untouched when there are fewer.
 bool parseMetaErrors(const uint8_t* message, size_t bytes, std::string_view section, uint32_t index, MeasuredError& error, uint32_t& count);

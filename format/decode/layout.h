@@ -58,6 +58,6 @@ struct KnownSection {
   uint32_t version;
 };
 inline constexpr KnownSection kKnownSections[] = {{"meta", 1}, {"scene", 1}, {"geometry", 1}, {"atlas", 1}, {"prm", 1},
-                                                 {"environment", 1}, {"radiosity", 1}, {"probes", 1}, {"lightmap", 1}, {"vpl", 1}, {"points", 1}};
+                                                 {"environment", 1}, {"radiosity", 1}, {"probes", 1}, {"lightmap", 1}, {"vpl", 1}, {"points", 1}, {"prm_probes", 1}};
 
 }  // namespace lightwell::format

@@ -65,6 +65,7 @@ class Reader {
   v1::PointsHeader points() const { return readMessage<v1::PointsHeader>("points", "header"); }
   v1::VplHeader vpl() const { return readMessage<v1::VplHeader>("vpl", "header"); }
   v1::ProbesHeader probes() const { return readMessage<v1::ProbesHeader>("probes", "header"); }
+  v1::PrmProbesHeader prmProbes() const { return readMessage<v1::PrmProbesHeader>("prm_probes", "header"); }
   v1::PrmHeader prm() const { return readMessage<v1::PrmHeader>("prm", "header"); }
 
  private:

@@ -137,7 +137,7 @@ std::vector<Issue> verify(const Source& source, const Limits& limits) {
   VerifyContext context(view);
   using Check = void (*)(VerifyContext&);
   constexpr std::pair<const char*, Check> checks[] = {
-      {"meta", verifyMeta}, {"scene", verifyScene}, {"geometry", verifyGeometry}, {"atlas", verifyAtlas}, {"prm", verifyPrm},
+      {"meta", verifyMeta}, {"scene", verifyScene}, {"geometry", verifyGeometry}, {"atlas", verifyAtlas}, {"prm", verifyPrm}, {"prm_probes", verifyPrmProbes},
       {"environment", verifyEnvironment}, {"radiosity", verifyRadiosity}, {"probes", verifyProbes},
       {"lightmap", verifyLightmap}, {"vpl", verifyVpl}, {"points", verifyPoints}};
   for (const auto& [type, check] : checks)

@@ -101,6 +101,7 @@ void verifyScene(VerifyContext& context);
 void verifyGeometry(VerifyContext& context);
 void verifyAtlas(VerifyContext& context);
 void verifyPrm(VerifyContext& context);
+void verifyPrmProbes(VerifyContext& context);
 void verifyEnvironment(VerifyContext& context);
 void verifyRadiosity(VerifyContext& context);
 void verifyProbes(VerifyContext& context);

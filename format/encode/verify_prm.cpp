@@ -1,4 +1,4 @@
-// The checks of section prm. docs/format.md has the tables that they hold.
+// The checks of sections prm and prm_probes. docs/format.md has the tables that they hold.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -91,45 +91,47 @@ void verifyRectangles(VerifyContext& context, uint64_t entries) {
     context.checkEach(*halves, IssueId::not_finite, kSection, "entry_rectangle", "are not finite", [](uint16_t v) { return (v & 0x7c00) == 0x7c00; });
 }
 
+/// Blocks with their basis maps and links: of texels, or a probe each. `first_value`: blocks + 1.
+void verifyBlocks(VerifyContext& context, const char* section, uint64_t clusters, uint64_t max_rank, const std::vector<uint32_t>& first_value) {
+  const uint64_t blocks = first_value.size() - 1;
+  const auto rank = context.load<uint8_t>(section, "block_rank", {blocks});
+  const auto link_wavelet = context.load<uint32_t>(section, "link_wavelet", {kAnyExtent});
+  const auto first_link = context.load<uint32_t>(section, "block_first_link", {blocks + 1});
+  if (!rank || !link_wavelet || !first_link) return;
+  bool sound = context.checkOffsets(*first_link, link_wavelet->size(), false, section, "block_first_link");
+  sound &= context.checkEach(*rank, IssueId::value_range, section, "block_rank", "are more than max_rank", [&](uint8_t v) { return v > max_rank; });
+  context.checkEach(*link_wavelet, IssueId::index_range, section, "link_wavelet", "name no wavelet", [&](uint32_t v) { return v >= 3 * clusters - 2; });
+  if (!sound) return;
+  uint64_t basis_size = 0, scale_size = 0, coefficient_size = 0;
+  bool ascending = true;
+  for (uint64_t b = 0; b < blocks; ++b) {
+    const uint64_t r = (*rank)[b];
+    basis_size += uint64_t(first_value[b + 1] - first_value[b]) * r;
+    scale_size += r * 3;
+    coefficient_size += uint64_t((*first_link)[b + 1] - (*first_link)[b]) * r * 3;
+    for (uint32_t l = (*first_link)[b] + 1; l < (*first_link)[b + 1] && ascending; ++l)
+      if ((*link_wavelet)[l] < (*link_wavelet)[l - 1]) {
+        context.report(IssueId::order, section, "link_wavelet", "link " + std::to_string(l) + " does not ascend within its block");
+        ascending = false;
+      }
+  }
+  if (const auto basis = context.load<int8_t>(section, "basis", {basis_size}))
+    context.checkEach(*basis, IssueId::value_range, section, "basis", "are -128", [](int8_t v) { return v == INT8_MIN; });
+  if (const auto scale = context.load<float>(section, "coefficient_scale", {scale_size}))
+    context.checkEach(*scale, IssueId::not_finite, section, "coefficient_scale", "are negative or not finite", isNegativeOrNotFinite);
+  context.load<int8_t>(section, "coefficient", {coefficient_size});
+}
+
 void verifyLocalBases(VerifyContext& context, const v1::PrmHeader& prm) {
   if (prm.clusters() == 0) return context.report(IssueId::header_value, kSection, "header", "there are no clusters");
   if (prm.blocks() == 0 || prm.blocks() > prm.texels() || prm.max_rank() == 0 || prm.max_rank() > 255)
     return context.report(IssueId::header_value, kSection, "header", "blocks is not 1 to texels, or max_rank not 1 to 255");
   verifyTree(context, prm.clusters());
   verifyRectangles(context, prm.entries());
-  const uint64_t blocks = prm.blocks();
   if (prm.brightest() != 0) context.report(IssueId::header_value, kSection, "header", "local bases have no brightest panes");
-  const auto first_texel = context.load<uint32_t>(kSection, "block_first_texel", {blocks + 1});
-  const auto rank = context.load<uint8_t>(kSection, "block_rank", {blocks});
-  const auto link_wavelet = context.load<uint32_t>(kSection, "link_wavelet", {kAnyExtent});
-  const auto first_link = context.load<uint32_t>(kSection, "block_first_link", {blocks + 1});
-  if (!first_texel || !rank || !link_wavelet || !first_link) return;
-  bool sound = context.checkOffsets(*first_texel, prm.texels(), true, kSection, "block_first_texel");
-  sound &= context.checkOffsets(*first_link, link_wavelet->size(), false, kSection, "block_first_link");
-  sound &= context.checkEach(*rank, IssueId::value_range, kSection, "block_rank", "are more than max_rank",
-                             [&](uint8_t v) { return v > prm.max_rank(); });
-  context.checkEach(*link_wavelet, IssueId::index_range, kSection, "link_wavelet", "name no wavelet",
-                    [&](uint32_t v) { return v >= 3 * uint64_t(prm.clusters()) - 2; });
-  if (!sound) return;
-
-  uint64_t basis_size = 0, scale_size = 0, coefficient_size = 0;
-  bool ascending = true;
-  for (uint64_t b = 0; b < blocks; ++b) {
-    const uint64_t r = (*rank)[b];
-    basis_size += ((*first_texel)[b + 1] - (*first_texel)[b]) * r;
-    scale_size += r * 3;
-    coefficient_size += ((*first_link)[b + 1] - (*first_link)[b]) * r * 3;
-    for (uint32_t l = (*first_link)[b] + 1; l < (*first_link)[b + 1] && ascending; ++l)
-      if ((*link_wavelet)[l] < (*link_wavelet)[l - 1]) {
-        context.report(IssueId::order, kSection, "link_wavelet", "link " + std::to_string(l) + " does not ascend within its block");
-        ascending = false;
-      }
-  }
-  if (const auto basis = context.load<int8_t>(kSection, "basis", {basis_size}))
-    context.checkEach(*basis, IssueId::value_range, kSection, "basis", "are -128", [](int8_t v) { return v == INT8_MIN; });
-  if (const auto scale = context.load<float>(kSection, "coefficient_scale", {scale_size}))
-    context.checkEach(*scale, IssueId::not_finite, kSection, "coefficient_scale", "are negative or not finite", isNegativeOrNotFinite);
-  context.load<int8_t>(kSection, "coefficient", {coefficient_size});
+  const auto first_texel = context.load<uint32_t>(kSection, "block_first_texel", {uint64_t(prm.blocks()) + 1});
+  if (first_texel && context.checkOffsets(*first_texel, prm.texels(), true, kSection, "block_first_texel"))
+    verifyBlocks(context, kSection, prm.clusters(), prm.max_rank(), *first_texel);
 }
 
 }  // namespace
@@ -152,6 +154,27 @@ void verifyPrm(VerifyContext& context) {
   if (!(prm.sky_scale() > 0) || !(prm.sky_scale() <= 0x1p60f) || std::frexp(prm.sky_scale(), &exponent) != 0.5f)
     context.report(IssueId::header_value, kSection, "header", "sky_scale is not a power of two up to 2^60");
   for (const char* name : {"sky_direct", "sky_indirect"}) context.load<uint32_t>(kSection, name, ElementType::rgb9e5, {prm.texels()});
+}
+
+void verifyPrmProbes(VerifyContext& context) {
+  constexpr const char* kProbes = "prm_probes";
+  constexpr uint32_t kValues = 12, kMostProbes = 1u << 22;
+  v1::PrmProbesHeader header;
+  if (!context.loadMessage(kProbes, "header", header)) return;
+  if (header.probes() == 0 || header.probes() > kMostProbes || header.max_rank() > kValues)
+    return context.report(IssueId::header_value, kProbes, "header", "probes is not 1 to 2^22, or max_rank more than 12");
+  if (const auto position = context.load<float>(kProbes, "position", {header.probes(), 3})) context.checkFinite(*position, kProbes, "position");
+  if (header.has_emitter())
+    if (const auto halves = context.load<uint16_t>(kProbes, "emitter", ElementType::f16, {header.probes(), 9, 3}))
+      context.checkEach(*halves, IssueId::not_finite, kProbes, "emitter", "are not finite", [](uint16_t v) { return (v & 0x7c00) == 0x7c00; });
+  if (!context.has(kSection)) return context.report(IssueId::section_missing, kProbes, "", "needs section prm");
+  v1::PrmHeader prm;
+  if (!context.loadMessage(kSection, "header", prm)) return;
+  if (prm.layout() != v1::PRM_LAYOUT_LOCAL_BASES || prm.clusters() == 0)
+    return context.report(IssueId::cross_section, kProbes, "header", "section prm has no local bases");
+  std::vector<uint32_t> first_value;
+  for (uint32_t i = 0; i <= header.probes(); ++i) first_value.push_back(i * kValues);
+  verifyBlocks(context, kProbes, prm.clusters(), header.max_rank(), first_value);
 }
 
 }  // namespace lightwell::format

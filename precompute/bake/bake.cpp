@@ -73,6 +73,7 @@ struct InputRange {
 struct ContainerParts {
   PrmTasks prm;
   InputRange blocks, emitter;                      // empty without a PRM
+  InputRange prm_probes;                           // empty without points for it
   InputRange sky;                                  // empty without a sky on its texels
   std::shared_ptr<const transport::RadiosityBaker> radiosity;
   InputRange radiosity_links;                      // empty without radiosity
@@ -92,7 +93,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   std::optional<transport::PrmResult> prm;
   SkyPanes sky;
   if (plan.prm) {
-    prm = assemblePrm(parts.prm, parts.blocks.of(in), parts.emitter.of(in));
+    prm = assemblePrm(parts.prm, parts.blocks.of(in), parts.emitter.of(in), parts.prm_probes.of(in));
     in.cancel.check();
     if (const auto measured = measurePrm(context, *prm, parts.references.of(in), in.cancel)) addMeasuredError(meta, "prm", *measured);
     in.cancel.check();
@@ -136,6 +137,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   if (plan.atlas) addAtlasSection(writer, context.atlas());
   in.cancel.check();
   if (prm) addPrmSection(writer, *prm, sky, context.scene().metres_per_unit);
+  if (prm && !prm->probes.position.empty()) addPrmProbesSection(writer, prm->probes, context.scene().metres_per_unit);
   in.cancel.check();
   if (lightmap) addLightmapSection(writer, *lightmap, context.atlas());
   if (!vpl.lights.empty()) addVplSection(writer, vpl, context.scene());
@@ -162,7 +164,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     checkPrior(context, prm_settings.prior);
     baker = makePrmBaker(context, prm_settings, tasks);
     if (baker->blockCount() == 0 || baker->groupCount() == 0) {
-      plan.prm = plan.prm_sky = false;
+      plan.prm = plan.prm_sky = plan.prm_probes = false;
       plan.omitted.push_back({"prm", "every texel lies inside or behind other surfaces"});
     }
   }
@@ -194,6 +196,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     parts.prm = addPrmTasks(result.graph, context, prm_settings, baker);
     parts.blocks = take(parts.prm.blocks);
     parts.emitter = take(parts.prm.emitter);
+    parts.prm_probes = take(parts.prm.probes);
     if (plan.prm_sky) parts.sky = take(addSkyTasks(result.graph, context, options.settings));
   }
   if (plan.prm || plan.radiosity) parts.references = take(addReferenceTasks(result.graph, context, options.test_lights));

@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "precompute/bake/bake.h"
+#include "precompute/bake/probe_tasks.h"
 #include "precompute/bake/stage_tasks.h"
 
 namespace lightwell::bake {
 namespace {
 
 // Elements of a stage in one task: a few tenths of a second of work. Part of what names a task, never of what it computes.
-constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 32;
+constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 32, kProbesPerTask = 64;
 
 /// The clusters: all stages but the emitters' know the surfaces by them.
 Parameters entryParameters(const Key& scene, const transport::PrmSettings& s) {
@@ -70,12 +71,12 @@ transport::PrmSettings prmSettings(const plan::Settings& settings, const scene::
     case plan::Quality::draft:
       prm.entries.clusters = 4096, prm.entries.groups = 384;
       prm.cluster_rays = 64, prm.bases.rays = 128, prm.training_lights = 192, prm.emitter_samples = 16;
-      prm.bases.rank_error = 0.2f, prm.bases.wavelet_step = 0.02f;
+      prm.bases.rank_error = 0.2f, prm.bases.wavelet_step = 0.02f, prm.probe_rays = 1024;
       break;
     case plan::Quality::preview:
       prm.entries.clusters = 8192, prm.entries.groups = 768;
       prm.cluster_rays = 128, prm.bases.rays = 256, prm.training_lights = 288, prm.emitter_samples = 32;
-      prm.bases.rank_error = 0.15f, prm.bases.wavelet_step = 0.015f;
+      prm.bases.rank_error = 0.15f, prm.bases.wavelet_step = 0.015f, prm.probe_rays = 2048;
       break;
     case plan::Quality::production: break;  // the estimator's defaults
   }
@@ -84,13 +85,14 @@ transport::PrmSettings prmSettings(const plan::Settings& settings, const scene::
   prm.bases.wavelet_step /= factor;
   if (settings.refinement > 0) {
     const uint32_t more = 1u << settings.refinement;
-    prm.cluster_rays *= more, prm.bases.rays *= more;
+    prm.cluster_rays *= more, prm.bases.rays *= more, prm.probe_rays *= more;
     prm.entries.clusters *= more, prm.training_lights *= more;
     prm.walks_per_entry *= more;
   } else {
     prm.bases.most_rank = std::max(1u, prm.bases.most_rank >> -settings.refinement);
     if (settings.prm_layout == plan::PrmLayout::panes) prm.entries.groups = std::max(1u, prm.entries.groups >> -settings.refinement);
   }
+  if (settings.prm_layout == plan::PrmLayout::local_bases) prm.probes = probePoints(settings, scene);
   applyChoices(settings, prm);
   return prm;
 }
@@ -118,7 +120,7 @@ std::shared_ptr<const transport::PrmBaker> makePrmBaker(const BakeContext& conte
 
 PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transport::PrmSettings& settings,
                      std::shared_ptr<const transport::PrmBaker> baker) {
-  PrmTasks tasks{baker, {}, {}};
+  PrmTasks tasks{baker, {}, {}, {}};
   const SceneKeys& keys = context.keys();
   const transport::LocalBasesOptions& bases = settings.bases;
   const double entries = settings.entries.clusters * double(settings.entries.points_per_cluster);
@@ -149,11 +151,19 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
                                   bases.rank_error, bases.wavelet_step, bases.rays);
   tasks.blocks = addRange(graph, "prm", "fit", fit, baker->blockCount(), kBlocksPerTask, 4.0 * bases.block_texels * bases.rays, {solve},
                           [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fit(first, end, *in.inputs[0]); });
+  if (baker->probeCount() > 0) {
+    Parameters parameters = Parameters(fit).add(settings.probe_rays);
+    for (const Vec3& point : settings.probes) parameters.add(point.x, point.y, point.z);
+    tasks.probes = addRange(graph, "prm", "probes", parameters, baker->probeCount(), kProbesPerTask, 1.0 * settings.probe_rays, {solve},
+                            [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fitProbes(first, end, *in.inputs[0]); });
+  }
   return tasks;
 }
 
-transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter) {
-  return tasks.baker->assemble(viewsOf(blocks), viewsOf(emitter));
+transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter, std::span<const Blob> probes) {
+  transport::PrmResult prm = tasks.baker->assemble(viewsOf(blocks), viewsOf(emitter));
+  if (!probes.empty()) prm.probes = tasks.baker->assembleProbes(viewsOf(probes));
+  return prm;
 }
 
 }  // namespace lightwell::bake

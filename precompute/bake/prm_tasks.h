@@ -24,7 +24,7 @@ std::shared_ptr<const transport::PrmBaker> makePrmBaker(const BakeContext& conte
 /// What the section "prm" is assembled from. Outlives the graph's run.
 struct PrmTasks {
   std::shared_ptr<const transport::PrmBaker> baker;
-  std::vector<TaskIndex> blocks, emitter;  // outputs of fit and of emitterDirect, in range order
+  std::vector<TaskIndex> blocks, emitter, probes;  // outputs of fit, of emitterDirect and of fitProbes, in range order
 };
 
 /// Adds the tasks up to the fitted blocks. `context` must have a tracer and outlive the graph; `baker` was made with `settings`.
@@ -32,6 +32,6 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
                      std::shared_ptr<const transport::PrmBaker> baker);
 
 /// Joins their outputs. Every covered texel has its own value, buried ones too: what they show is the atlas's matter.
-transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter);
+transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter, std::span<const Blob> probes);
 
 }  // namespace lightwell::bake

@@ -18,6 +18,13 @@ Parameters placeParameters(const BakeContext& context, const transport::Radiosit
 
 }  // namespace
 
+std::vector<Vec3> probePoints(const plan::Settings& settings, const scene::Scene& scene) {
+  std::vector<Vec3> points(settings.probe_points_m.size());
+  for (size_t i = 0; i < points.size(); ++i)
+    for (int k = 0; k < 3; ++k) points[i][k] = float((settings.probe_points_m[i][size_t(k)] - scene.origin_m[k]) / scene.metres_per_unit);
+  return points;
+}
+
 transport::ProbeSettings probeSettings(const plan::Settings& settings, const scene::Scene& scene) {
   transport::ProbeSettings probes;
   probes.places.seed = settings.seed;
@@ -33,11 +40,7 @@ transport::ProbeSettings probeSettings(const plan::Settings& settings, const sce
     probes.places.budget = 0;
     probes.places.spacing = float(settings.probe_spacing_m / scene.metres_per_unit);
   }
-  for (const auto& point_m : settings.probe_points_m) {
-    Vec3 point;
-    for (int k = 0; k < 3; ++k) point[k] = float((point_m[size_t(k)] - scene.origin_m[k]) / scene.metres_per_unit);
-    probes.places.points.push_back(point);
-  }
+  probes.places.points = probePoints(settings, scene);
   return probes;
 }
 

@@ -5,6 +5,9 @@
 
 namespace lightwell::bake {
 
+/// The points that were asked for, in internal units.
+std::vector<Vec3> probePoints(const plan::Settings& settings, const scene::Scene& scene);
+
 /// The estimator's settings for a bake's settings.
 transport::ProbeSettings probeSettings(const plan::Settings& settings, const scene::Scene& scene);
 

@@ -75,7 +75,7 @@ std::vector<uint16_t> packRectangles(const transport::PrmEntries& entries, doubl
 }
 
 /// Per block [rank][channel][link], the channels as G, R − G, B − G (modulo 256): what is near to zero stands together.
-std::vector<int8_t> packCoefficients(const transport::PrmLocalBases& bases) {
+std::vector<int8_t> packCoefficients(const transport::PrmBlocks& bases) {
   std::vector<int8_t> packed(bases.coefficient.size());
   size_t base = 0;
   for (size_t b = 0; b < bases.block_rank.size(); ++b) {
@@ -93,6 +93,15 @@ std::vector<int8_t> packCoefficients(const transport::PrmLocalBases& bases) {
   return packed;
 }
 
+void addBlocks(format::Writer& writer, const char* section, const transport::PrmBlocks& blocks) {
+  writer.add(section, "block_rank", blocks.block_rank);
+  writer.add(section, "basis", blocks.basis);
+  writer.add(section, "coefficient_scale", blocks.scale);
+  writer.add(section, "block_first_link", blocks.block_first_link);
+  writer.add(section, "link_wavelet", blocks.link_wavelet);
+  writer.add(section, "coefficient", packCoefficients(blocks));
+}
+
 void addLocalBases(format::Writer& writer, const transport::PrmResult& prm, double metres_per_unit) {
   const transport::PrmLocalBases& bases = prm.bases;
   writer.add("prm", "entry_rectangle", packRectangles(prm.entries, metres_per_unit), {prm.entries.position.size(), 3}, ElementType::f16);
@@ -100,12 +109,7 @@ void addLocalBases(format::Writer& writer, const transport::PrmResult& prm, doub
   writer.add("prm", "tree_first_share", bases.tree.first_share);
   writer.add("prm", "wavelet_unit", bases.wavelet_unit);
   writer.add("prm", "block_first_texel", bases.block_first_texel);
-  writer.add("prm", "block_rank", bases.block_rank);
-  writer.add("prm", "basis", bases.basis);
-  writer.add("prm", "coefficient_scale", bases.scale);
-  writer.add("prm", "block_first_link", bases.block_first_link);
-  writer.add("prm", "link_wavelet", bases.link_wavelet);
-  writer.add("prm", "coefficient", packCoefficients(bases));
+  addBlocks(writer, "prm", bases);
 }
 
 }  // namespace
@@ -207,6 +211,24 @@ void addPrmSection(format::Writer& writer, const transport::PrmResult& prm, cons
     writer.add("prm", "sky_direct", toRgb9e5(scaled(sky.direct_rgb, 1 / sky_scale)), {}, ElementType::rgb9e5);
     writer.add("prm", "sky_indirect", toRgb9e5(scaled(sky.indirect_rgb, 1 / sky_scale)), {}, ElementType::rgb9e5);
   }
+}
+
+void addPrmProbesSection(format::Writer& writer, const transport::PrmProbes& probes, double metres_per_unit) {
+  const uint64_t count = probes.position.size();
+  v1::PrmProbesHeader header;
+  header.set_probes(uint32_t(count));
+  header.set_max_rank(*std::max_element(probes.block_rank.begin(), probes.block_rank.end()));
+  header.set_has_emitter(!probes.emitter_radiance_sh.empty());
+  writer.addSection("prm_probes");
+  writer.addMessage("prm_probes", "header", header);
+  writer.add("prm_probes", "position", toMetres(probes.position, metres_per_unit), {count, 3});
+  addBlocks(writer, "prm_probes", probes);
+  if (!header.has_emitter()) return;
+  std::vector<uint16_t> halves;
+  for (const auto& sh : probes.emitter_radiance_sh)
+    for (const Rgb& coefficient : sh)
+      for (int channel = 0; channel < 3; ++channel) halves.push_back(format::packHalf(std::clamp(coefficient[channel], -65504.0f, 65504.0f)));
+  writer.add("prm_probes", "emitter", halves, {count, 9, 3}, ElementType::f16);
 }
 
 void addMetaSection(format::Writer& writer, const v1::MetaHeader& header) {

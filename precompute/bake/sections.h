@@ -37,6 +37,8 @@ void addLightmapSection(format::Writer& writer, const transport::Lightmap& light
 void addVplSection(format::Writer& writer, const VplResult& vpl, const scene::Scene& scene);
 /// `scene`: its bounds and its unit of length. There is at least one point.
 void addPointsSection(format::Writer& writer, const transport::SurfacePoints& surface, const scene::Scene& scene);
+/// Of at least one probe.
+void addPrmProbesSection(format::Writer& writer, const transport::PrmProbes& probes, double metres_per_unit);
 void addMetaSection(format::Writer& writer, const v1::MetaHeader& header);
 
 }  // namespace lightwell::bake

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "precompute/core/error.h"
+#include "precompute/core/exr_check.h"
 
 namespace lightwell {
 namespace {
@@ -62,6 +63,7 @@ void writeExr(const std::filesystem::path& file, const ImageRgba& image) {
 }
 
 ImageRgba readExr(const std::filesystem::path& file) {
+  checkExrHeaders(file);
   try {
     Imf::InputFile in(file.c_str(), 0);
     const Imath::Box2i window = in.header().dataWindow();

@@ -54,6 +54,7 @@ void checkPrm(const Settings& settings) {
     throw UsageError("--prm-estimator walks: only --prm-layout panes can be estimated by walks");
   if (panes && settings.prm_clusters > kMostPrmPanes)
     throw UsageError("--prm-clusters: at most " + std::to_string(kMostPrmPanes) + " clusters can have a pane each");
+  if (panes && !settings.probe_points_m.empty() && !wants(settings, Technique::radiosity)) throw UsageError("--probes: panes light no probes: --prm-layout local-bases");
   if (settings.prm_entries && settings.prm_entries < settings.prm_clusters)
     throw UsageError("--prm-entries: " + std::to_string(settings.prm_entries) + " entry points are too few for " +
                      std::to_string(settings.prm_clusters) + " clusters");
@@ -62,9 +63,10 @@ void checkPrm(const Settings& settings) {
 void checkRadiosity(const Settings& settings) {
   if (settings.radiosity_density != 0 && !(settings.radiosity_density >= kLeastRadiosityDensity && settings.radiosity_density <= 1))
     throw UsageError("--radiosity-density: from 1/64 to 1 patch per light-map texel along a side");
-  const bool radiosity = std::find(settings.techniques.begin(), settings.techniques.end(), Technique::radiosity) != settings.techniques.end();
-  if (wantsProbes(settings) && !radiosity)
-    throw UsageError(std::string(settings.probe_spacing_m != 0 ? "--probe-spacing" : "--probes") + ": probes are lit by radiosity: --techniques radiosity");
+  const bool radiosity = wants(settings, Technique::radiosity);
+  if (settings.probe_spacing_m != 0 && !radiosity) throw UsageError("--probe-spacing: a lattice of probes is lit by radiosity: --techniques radiosity");
+  if (!settings.probe_points_m.empty() && !settings.techniques.empty() && !radiosity && !wants(settings, Technique::prm))
+    throw UsageError("--probes: probes are lit by prm or radiosity: --techniques prm");
 }
 
 void checkLightmap(const Settings& settings) {
@@ -130,6 +132,9 @@ Plan makePlan(const SceneFacts& facts, const Settings& settings) {
   }
   plan.probes = plan.radiosity && wantsProbes(settings);
   if (plan.radiosity && !plan.probes) plan.omitted.push_back({"probes", "not asked for: what moves in the scene is the game's to know"});
+  plan.prm_probes = plan.prm && settings.prm_layout == PrmLayout::local_bases && !settings.probe_points_m.empty();
+  if (plan.prm && !plan.prm_probes)
+    plan.omitted.push_back({"prm_probes", settings.probe_points_m.empty() ? "not asked for: what moves in the scene is the game's to know" : "panes light no probes"});
   plan.points = settings.points > 0 && facts.has_surfaces;
   if (!plan.points) plan.omitted.push_back({"points", settings.points == 0 ? "not asked for" : facts.has_scene ? "the scene has no surfaces" : "no scene was given"});
   plan.prm_emitter = plan.prm && facts.has_emitters;

@@ -34,6 +34,7 @@ struct Plan {
   bool prm = false;
   bool prm_emitter = false;       // the constant panes of the scene's own emitters
   bool prm_sky = false;           // the constant panes of the sky
+  bool prm_probes = false;        // for moving objects, at points that were asked for
   bool lightmap = false;
   bool vpl = false;
   bool points = false;            // on surfaces, for shadow maps of lights that move

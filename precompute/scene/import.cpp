@@ -35,7 +35,8 @@ class Importer {
       if (document_.element("nodes", placement.node).find("skin")) placement.world = gltf::Matrix();  // its joints place it
     }
     if (not_surfaces_ > 0)
-      diagnostics_.warn("meshes", std::to_string(not_surfaces_) + " primitives are points or lines, not surfaces, and are left out");
+      diagnostics_.warn(first_not_surface_, not_surfaces_ == 1 ? "is points or lines, not a surface, and is left out"
+                                                               : std::to_string(not_surfaces_) + " primitives are points or lines, not surfaces, and are left out, the first of them here");
     const Frame frame = chooseFrame(placements.meshes);
     scene_.origin_m = frame.origin_m;
     scene_.metres_per_unit = frame.metres_per_unit;
@@ -100,7 +101,7 @@ class Importer {
     std::vector<gltf::Primitive> primitives;
     for (size_t i = 0; i < json.size(); ++i) {
       if (!gltf::isSurface(json[i])) {
-        ++not_surfaces_;
+        if (not_surfaces_++ == 0) first_not_surface_ = json[i].path();
         continue;
       }
       primitives.push_back(readPrimitive(json[i], weights));
@@ -172,6 +173,7 @@ class Importer {
   std::map<MeshKey, std::vector<gltf::Primitive>> meshes_;
   uint64_t vertices_ = 0, triangles_ = 0;
   size_t not_surfaces_ = 0;
+  std::string first_not_surface_;
 };
 
 }  // namespace

@@ -181,6 +181,16 @@ lw_result findAlphaTexture(const lw_container& container, uint32_t texture, cons
   return LW_OK;
 }
 
+lw_result addTextureSize(const lw_container& container, lw_alpha_material& material) {
+  if (material.texture < 0) return LW_OK;
+  const ChunkInfo* chunk = nullptr;
+  const lw_result result = findAlphaTexture(container, uint32_t(material.texture), chunk);
+  if (result) return result == LW_NOT_FOUND ? LW_BAD_SECTION : result;  // the material promises it
+  material.texture_height = uint32_t(chunk->shape[0]);
+  material.texture_width = uint32_t(chunk->shape[1]);
+  return LW_OK;
+}
+
 }  // namespace
 }  // namespace lightwell::runtime
 
@@ -220,16 +230,21 @@ lw_result lw_get_alpha_material(const lw_container* container, uint32_t index, l
   });
   if (result) return result;
   if (!found) return container->host.fail(LW_NOT_FOUND, "the container has no alpha material %u", index);
-  if (material.texture >= 0) {
-    const lightwell::format::ChunkInfo* chunk = nullptr;
-    result = findAlphaTexture(*container, uint32_t(material.texture), chunk);
-    if (result == LW_NOT_FOUND) return LW_BAD_SECTION;  // the material promises it
-    if (result) return result;
-    material.texture_height = uint32_t(chunk->shape[0]);
-    material.texture_width = uint32_t(chunk->shape[1]);
-  }
+  if ((result = addTextureSize(*container, material))) return result;
   *out = material;
   return LW_OK;
+}
+
+lw_result lw_get_alpha_materials(const lw_container* container, uint32_t count, lw_alpha_material* materials) {
+  if (!container || (count && !materials)) return LW_INVALID_ARGUMENT;
+  uint32_t found = 0;
+  lw_result result = readAlphaMaterials(*container, [&](uint32_t i, const lw_alpha_material& material) {
+    if (i < count) materials[found++] = material;
+  });
+  if (result) return result;
+  if (found < count) return container->host.fail(LW_NOT_FOUND, "the container has %u alpha materials, not %u", found, count);
+  for (uint32_t i = 0; i < count && !result; ++i) result = addTextureSize(*container, materials[i]);
+  return result;
 }
 
 lw_result lw_decode_alpha_texture(const lw_container* container, uint32_t texture, void* destination, size_t bytes) {

@@ -58,17 +58,6 @@ void fillFromSources(const uint32_t* source, size_t texels, float* rgba) {
 
 namespace {
 
-template <class Parse>
-lw_result readHeader(const lw_container& container, std::string_view section, Parse parse) {
-  const format::ChunkInfo* chunk = nullptr;
-  lw_result result = findChunk(container, section, "header", chunk);
-  if (result) return result;
-  if (chunk->element != format::ElementType::bytes) return badSection(container, *chunk, "it is not a message");
-  Array<uint8_t> message;
-  if ((result = decodeChunk(container, *chunk, message))) return result;
-  return parse(message) ? LW_OK : badSection(container, *chunk, "it is not a valid message");
-}
-
 bool inRange(const lw_container& container, uint32_t width, uint32_t height) {
   if (width && height && uint64_t(width) * height < kNone) return true;
   container.host.fail(LW_BAD_SECTION, "atlas/header: an atlas of %u x %u texels cannot be", width, height);
@@ -98,6 +87,26 @@ lw_result readPrmHeader(const lw_container& container, format::PrmHeader& header
 
 namespace {
 
+/// Fails for want of memory or of the file. Whatever else is wrong with the section is told when somebody asks for it.
+lw_result readScene(lw_container& container) {
+  const format::SectionInfo* section = container.view.findSection("scene");
+  const format::ChunkInfo* chunk = container.view.findChunk("scene", "header");
+  if (!section || !section->known || !chunk || !chunk->decodable || chunk->element != format::ElementType::bytes) return LW_OK;
+  Array<uint8_t> message;
+  format::SceneHeader header;
+  Array<format::Light>& lights = container.scene_lights;
+  if (!message.allocate(container.host, size_t(chunk->raw_bytes))) return container.host.fail(LW_OUT_OF_MEMORY, "no memory for the scene's header");
+  if (const format::Fault fault = container.view.decode(*chunk, message.data(), message.bytes()))
+    return fault.status == format::Status::io_error || fault.status == format::Status::out_of_memory ? container.host.fail(fault) : LW_OK;
+  if (!format::parseSceneHeader(message.data(), message.size(), header, nullptr, 0)) return LW_OK;
+  if (!lights.allocate(container.host, header.light_count)) return container.host.fail(LW_OUT_OF_MEMORY, "no memory for %u lights", header.light_count);
+  format::parseSceneHeader(message.data(), message.size(), header, lights.data(), lights.size());
+  for (format::Light& light : lights) light.name = {};
+  container.scene = header;
+  container.scene_is_read = true;
+  return LW_OK;
+}
+
 lw_result makeContainer(const lw_config* given, lw_container** out, lw_container*& container, format::OpenOptions& options) {
   static constexpr lw_config kDefault = LW_CONFIG_INIT;
   const lw_config& config = given ? *given : kDefault;
@@ -113,6 +122,10 @@ lw_result makeContainer(const lw_config* given, lw_container** out, lw_container
 lw_result finishOpen(lw_container* container, const format::Source& source, const format::OpenOptions& options, lw_container** out) {
   if (const format::Fault fault = container->view.open(source, options)) {
     const lw_result result = container->host.fail(fault);
+    destroyHandle(container);
+    return result;
+  }
+  if (const lw_result result = readScene(*container)) {
     destroyHandle(container);
     return result;
   }
@@ -170,11 +183,16 @@ int lw_has_section(const lw_container* container, const char* section) {
 
 namespace {
 
-lw_result readScene(const lw_container& container, format::SceneHeader& header, format::Light* light, uint32_t index) {
-  if (const lw_result result = readHeader(container, "scene", [&](const Array<uint8_t>& message) {
-        return format::parseSceneHeader(message.data(), message.size(), header, light, index);
-      }))
-    return result;
+/// That the section scene is there and sound, or what is wrong.
+lw_result checkScene(const lw_container& container) {
+  if (!container.scene_is_read) {
+    format::SceneHeader header;
+    const lw_result result = readHeader(container, "scene", [&](const Array<uint8_t>& message) {
+      return format::parseSceneHeader(message.data(), message.size(), header, nullptr, 0);
+    });
+    return result ? result : LW_BAD_SECTION;
+  }
+  const format::SceneHeader& header = container.scene;
   bool finite = allFinite(header.bounds_min_m, 3) && allFinite(header.bounds_max_m, 3);
   for (const double o : header.origin_m) finite = finite && std::isfinite(o);
   return finite ? LW_OK : container.host.fail(LW_BAD_SECTION, "scene/header: the origin or the bounds are not finite");
@@ -184,8 +202,8 @@ lw_result readScene(const lw_container& container, format::SceneHeader& header, 
 
 lw_result lw_get_scene_info(const lw_container* container, lw_scene_info* info) {
   if (!container || !info) return LW_INVALID_ARGUMENT;
-  format::SceneHeader header;
-  if (const lw_result result = readScene(*container, header, nullptr, 0)) return result;
+  if (const lw_result result = checkScene(*container)) return result;
+  const format::SceneHeader& header = container->scene;
   lw_scene_info scene{};
   std::memcpy(scene.origin_m, header.origin_m, sizeof scene.origin_m);
   std::memcpy(scene.bounds_min_m, header.bounds_min_m, sizeof scene.bounds_min_m);
@@ -197,10 +215,9 @@ lw_result lw_get_scene_info(const lw_container* container, lw_scene_info* info) 
 
 lw_result lw_get_light(const lw_container* container, uint32_t index, lw_light* light) {
   if (!container || !light) return LW_INVALID_ARGUMENT;
-  format::SceneHeader header;
-  format::Light from;
-  if (const lw_result result = readScene(*container, header, &from, index)) return result;
-  if (index >= header.light_count) return container->host.fail(LW_NOT_FOUND, "the scene has no light %u", index);
+  if (const lw_result result = checkScene(*container)) return result;
+  if (index >= container->scene_lights.size()) return container->host.fail(LW_NOT_FOUND, "the scene has no light %u", index);
+  const format::Light& from = container->scene_lights[index];
   if (from.type == format::LightType::unknown)
     return container->host.fail(LW_TOO_NEW, "scene/header: light %u is of an unknown type", index);
   lw_light to{};

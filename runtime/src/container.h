@@ -11,6 +11,10 @@ struct lw_container {
   lw_reader reader{};
   lightwell::format::FileSource file;
   lightwell::format::View view;  // after `file`: it must close first
+  // Section scene, where it is there and sound; read on opening, so that a light costs no more than itself. Lights have no names.
+  bool scene_is_read = false;
+  lightwell::format::SceneHeader scene;
+  lightwell::runtime::Array<lightwell::format::Light> scene_lights;
 };
 
 namespace lightwell::runtime {
@@ -40,6 +44,18 @@ lw_result decodeChunk(const lw_container& container, std::string_view section, s
   if (const lw_result result = findChunk(container, section, name, element, chunk)) return result;
   if (chunk->elements != elements) return badSection(container, *chunk, "its shape contradicts the section's header");
   return decodeChunk(container, *chunk, values);
+}
+
+/// Decodes the chunk "header" of a section and hands its bytes to `parse`, which says whether they are a valid message.
+template <class Parse>
+lw_result readHeader(const lw_container& container, std::string_view section, Parse parse) {
+  const format::ChunkInfo* chunk = nullptr;
+  lw_result result = findChunk(container, section, "header", chunk);
+  if (result) return result;
+  if (chunk->element != format::ElementType::bytes) return badSection(container, *chunk, "it is not a message");
+  Array<uint8_t> message;
+  if ((result = decodeChunk(container, *chunk, message))) return result;
+  return parse(message) ? LW_OK : badSection(container, *chunk, "it is not a valid message");
 }
 
 lw_result readAtlasHeader(const lw_container& container, format::AtlasHeader& header);

@@ -14,23 +14,32 @@ lw_result loadAlpha(const lw_container* container, const Array<uint8_t>& flags, 
   size_t materials = 0, bytes = 0;
   for (const uint16_t m : alpha.triangle_material)
     if (m != 0xffff) materials = std::max(materials, size_t(m) + 1);
-  if (!alpha.material.allocate(container->host, materials) || !alpha.first_alpha.allocate(container->host, materials))
+  Array<uint32_t> by_texture;  // materials that share a texture, one after the other: each texture is there once
+  if (!alpha.material.allocate(container->host, materials) || !alpha.first_alpha.allocate(container->host, materials) || !by_texture.allocate(container->host, materials))
     return container->host.fail(LW_OUT_OF_MEMORY, "no memory for %zu materials", materials);
-  for (size_t m = 0; m < materials; ++m) {
-    if ((result = lw_get_alpha_material(container, uint32_t(m), &alpha.material[m]))) return result == LW_NOT_FOUND ? LW_BAD_SECTION : result;
-    alpha.first_alpha[m] = bytes;
-    bytes += size_t(alpha.material[m].texture_width) * alpha.material[m].texture_height;
-  }
+  if ((result = lw_get_alpha_materials(container, uint32_t(materials), alpha.material.data()))) return result == LW_NOT_FOUND ? LW_BAD_SECTION : result;
+  for (size_t m = 0; m < materials; ++m) by_texture[m] = uint32_t(m);
+  std::sort(by_texture.begin(), by_texture.end(), [&](uint32_t a, uint32_t b) { return alpha.material[a].texture < alpha.material[b].texture; });
+  const auto forEachTexture = [&](auto visit) {
+    const lw_alpha_material* before = nullptr;
+    size_t first = 0;
+    for (const uint32_t m : by_texture) {
+      const lw_alpha_material& surface = alpha.material[m];
+      const bool fresh = surface.texture >= 0 && (!before || before->texture != surface.texture);
+      if (before && fresh) first += size_t(before->texture_width) * before->texture_height;
+      alpha.first_alpha[m] = first;
+      before = &surface;
+      if (fresh) visit(surface, first);
+    }
+  };
+  forEachTexture([&](const lw_alpha_material& surface, size_t first) { bytes = first + size_t(surface.texture_width) * surface.texture_height; });
   if (!alpha.alpha.allocate(container->host, bytes)) return container->host.fail(LW_OUT_OF_MEMORY, "no memory for %zu bytes of textures", bytes);
-  for (size_t m = 0; m < materials; ++m) {
-    const lw_alpha_material& surface = alpha.material[m];
-    if (surface.texture < 0) continue;
-    if (!surface.texture_width || !surface.texture_height) return container->host.fail(LW_BAD_SECTION, "geometry: an alpha texture is empty");
-    if ((result = lw_decode_alpha_texture(container, uint32_t(surface.texture), &alpha.alpha[alpha.first_alpha[m]],
-                                          size_t(surface.texture_width) * surface.texture_height)))
-      return result;
-  }
-  return LW_OK;
+  forEachTexture([&](const lw_alpha_material& surface, size_t first) {
+    const size_t texels = size_t(surface.texture_width) * surface.texture_height;
+    if (!result) result = texels ? lw_decode_alpha_texture(container, uint32_t(surface.texture), &alpha.alpha[first], texels)
+                                 : container->host.fail(LW_BAD_SECTION, "geometry: an alpha texture is empty");
+  });
+  return result;
 }
 
 }  // namespace lightwell::runtime

@@ -28,13 +28,8 @@ class Loader : SectionLoader {
 
  private:
   void loadHeader() {
-    const format::ChunkInfo* chunk = nullptr;
-    if ((result_ = findChunk(container_, "probes", "header", chunk))) return;
-    if (chunk->element != ElementType::bytes) return void(bad("header", "it is not a message"));
-    Array<uint8_t> message;
-    if ((result_ = decodeChunk(container_, *chunk, message))) return;
     format::ProbesHeader& h = p_.header;
-    if (!format::parseProbesHeader(message.data(), message.size(), h)) return void(bad("header", "it is not a valid message"));
+    if ((result_ = readHeader(container_, section_, [&](const Array<uint8_t>& message) { return format::parseProbesHeader(message.data(), message.size(), h); }))) return;
     const uint64_t probes = uint64_t(h.lattice_probes) + h.points;
     require(probes > 0 && probes <= kMostProbes, "header", "its number of probes cannot be");
     p_.patches = radiosity_.patches();

@@ -119,13 +119,19 @@ bool buildLevel(const Host& host, uint32_t m, const Array<double>& mass_rgb, con
 
 }  // namespace
 
+bool nodeMasses(const Host& host, const format::EnvironmentHeader& header, const Array<uint16_t>& node_half, Array<double>& mass_rgb) {
+  if (!mass_rgb.allocate(host, node_half.size())) return false;
+  const double unit = header.node_scale * 4 * kPi / (6.0 * header.face_cells * header.face_cells);
+  for (size_t i = 0; i < node_half.size(); ++i) mass_rgb[i] = unit * format::unpackHalf(node_half[i]);
+  return true;
+}
+
 bool SkyLevels::build(const Host& host, const format::EnvironmentHeader& header, const Array<uint16_t>& node_half) {
   uint32_t m = header.face_cells;
-  const double unit = header.node_scale * 4 * kPi / (6.0 * m * m);
   Array<double> mass_rgb, coarse_rgb;
-  if (!mass_rgb.allocate(host, node_half.size())) return false;
+  if (!nodeMasses(host, header, node_half, mass_rgb)) return false;
   double total[3] = {};
-  for (size_t i = 0; i < node_half.size(); ++i) total[i % 3] += mass_rgb[i] = unit * format::unpackHalf(node_half[i]);
+  for (size_t i = 0; i < mass_rgb.size(); ++i) total[i % 3] += mass_rgb[i];
   double grid_mean[3];
   for (int c = 0; c < 3; ++c) {
     mean_radiance_rgb_[c] = header.sky_flux_rgb[c] / (4 * kPi);

@@ -5,6 +5,9 @@
 
 namespace lightwell::runtime {
 
+/// What the nodes weigh, [6][m + 1][m + 1][3], from halfs in the same order. False when there is no memory.
+bool nodeMasses(const Host& host, const format::EnvironmentHeader& header, const Array<uint16_t>& node_half, Array<double>& mass_rgb);
+
 /// Mass on one direction, less what a sky of the mean radiance has there: that part is answered in closed form.
 struct SkyNode {
   float direction[3];

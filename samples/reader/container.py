@@ -14,7 +14,7 @@ from messages import DIRECTORY, MessageError, parse
 
 MAGIC = bytes.fromhex("894c57430d0a1a0a")
 HEADER_BYTES, ALIGNMENT, MAX_RANK, MAX_EXPANSION = 64, 16, 4, 32768
-KNOWN_SECTIONS = {name: 1 for name in ("meta", "scene", "geometry", "atlas", "prm", "environment", "radiosity", "probes", "lightmap", "vpl", "points")}
+KNOWN_SECTIONS = {name: 1 for name in ("meta", "scene", "geometry", "atlas", "prm", "environment", "radiosity", "probes", "lightmap", "vpl", "points", "prm_probes")}
 
 BYTES, U8, I8, U16, I16, U32, F16, F32, RGB9E5 = range(1, 10)
 ELEMENT_NAMES = ["", "BYTES", "U8", "I8", "U16", "I16", "U32", "F16", "F32", "RGB9E5"]

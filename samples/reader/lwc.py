@@ -4,12 +4,14 @@
   lwc.py list FILE                 sections and chunks
   lwc.py check FILE                all checksums and all rules; exit 4 and the first breach when it is damaged or too new
   lwc.py header FILE SECTION       the section's header as JSON
+  lwc.py values FILE SECTION       what the numbers of the section stand for, chunk by chunk, as JSON
   lwc.py dump FILE SECTION/CHUNK   the decoded elements, little-endian, on stdout
 """
 import json
 import sys
 
 from container import CODEC_NAMES, Container, ContainerError, ELEMENT_NAMES
+from decoded import decoded
 from messages import HEADERS, parse
 from sections import check
 
@@ -23,7 +25,7 @@ def listed(container):
 
 
 def main(arguments):
-    if len(arguments) not in (2, 3) or arguments[0] not in ("list", "check", "header", "dump") or (len(arguments) == 3) != (arguments[0] in ("header", "dump")):
+    if len(arguments) not in (2, 3) or arguments[0] not in ("list", "check", "header", "values", "dump") or (len(arguments) == 3) != (arguments[0] in ("header", "values", "dump")):
         print(__doc__, file=sys.stderr)
         return 2
     try:
@@ -34,6 +36,9 @@ def main(arguments):
         elif arguments[0] == "check":
             for note in check(container):
                 print(f"note: {note}")
+        elif arguments[0] == "values":
+            check(container)
+            print(json.dumps(decoded(container, arguments[2])[1], indent=1))
         else:
             section, _, name = arguments[2].partition("/")
             chunk = container.sections[section].chunks[name or "header"]

@@ -31,6 +31,7 @@ ALPHA_MATERIALS = {1: ("materials", [(ALPHA_MATERIAL,)])}
 ATLAS = {1: ("width", "uint32"), 2: ("height", "uint32"), 3: ("covered_texels", "uint32"), 4: ("charts", "uint32"), 5: ("unwrapped", "bool")}
 PRM = {1: ("layout", "enum"), 2: ("entries", "uint32"), 3: ("clusters", "uint32"), 4: ("texels", "uint32"), 5: ("blocks", "uint32"),
        6: ("max_rank", "uint32"), 7: ("brightest", "uint32"), 8: ("has_emitter", "bool"), 10: ("has_sky", "bool"), 11: ("sky_scale", "float")}
+PRM_PROBES = {1: ("probes", "uint32"), 2: ("max_rank", "uint32"), 3: ("has_emitter", "bool")}
 ENVIRONMENT = {1: ("cells", "uint32"), 2: ("suns", "uint32"), 3: ("face_cells", "uint32"), 4: ("node_scale", "float"), 5: ("sky_flux", ["float"]),
                6: ("radiance_sh", ["float"]), 7: ("rotation_deg", "float"), 8: ("intensity", "float"), 9: ("ground_radiance", ["float"])}
 MATERIAL = {1: ("name", "string")}
@@ -44,7 +45,7 @@ VPL = {1: ("lights", "uint32"), 2: ("vertices", "uint32"), 3: ("sources", "uint3
 POINTS = {1: ("points", "uint32"), 2: ("area", "float"), 3: ("first", ["float"]), 4: ("step", ["float"])}
 PROBES = {1: ("lattice_probes", "uint32"), 2: ("points", "uint32"), 3: ("lattice_count", ["uint32"]), 4: ("lattice_first", ["float"]),
           5: ("lattice_spacing", "float"), 6: ("moved", "uint32"), 7: ("inside", "uint32"), 8: ("sealed", "uint32")}
-HEADERS = {"meta": META, "scene": SCENE, "atlas": ATLAS, "prm": PRM, "environment": ENVIRONMENT, "radiosity": RADIOSITY, "lightmap": LIGHTMAP,
+HEADERS = {"meta": META, "scene": SCENE, "atlas": ATLAS, "prm": PRM, "prm_probes": PRM_PROBES, "environment": ENVIRONMENT, "radiosity": RADIOSITY, "lightmap": LIGHTMAP,
            "vpl": VPL, "points": POINTS, "probes": PROBES}
 
 _WIRE_TYPES = {"uint32": 0, "uint64": 0, "bool": 0, "enum": 0, "fixed64": 1, "double": 1, "string": 2, "float": 5}

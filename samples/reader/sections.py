@@ -2,6 +2,7 @@
 import math
 
 from container import BYTES, ContainerError, F16, F32, I16, I8, RGB9E5, U16, U32, U8, ELEMENT_NAMES
+from decoded import link_weight
 from messages import ALPHA_MATERIALS, HEADERS, MessageError, parse
 
 NONE = 0xffffffff
@@ -70,16 +71,6 @@ class _Section:
 
 def has(container, name):
     return name in container.sections and container.sections[name].known
-
-
-def octahedral(x, y):
-    """Section 4."""
-    px, py = x / 32767, y / 32767
-    z = 1 - abs(px) - abs(py)
-    if z < 0:
-        px, py = (1 - abs(py)) * (1 if px >= 0 else -1), (1 - abs(px)) * (1 if py >= 0 else -1)
-    length = math.sqrt(px * px + py * py + z * z)
-    return px / length, py / length, z / length
 
 
 def _finite(values, count):
@@ -193,14 +184,32 @@ def prm(container):
             node += 1
     s.need(all(v > 0 for v in s.read("tree_first_share", U16, c - 1)), "tree_first_share", "0")
     s.read("wavelet_unit", U8, 3 * c - 2)
-    texels, rank = s.offsets("block_first_texel", b, t, rising=True), s.read("block_rank", U8, b)
-    s.need(all(r <= h["max_rank"] for r in rank), "block_rank", "above max_rank")
-    s.need(-128 not in s.read("basis", I8, sum((texels[j + 1] - texels[j]) * rank[j] for j in range(b))), "basis", "-128 is reserved")
+    texels = s.offsets("block_first_texel", b, t, rising=True)
+    _blocks(s, [j - i for i, j in zip(texels, texels[1:])], h["max_rank"], c)
+
+
+def _blocks(s, values, most_rank, clusters):
+    """Blocks of so many values each, with their links to the wavelets of so many clusters."""
+    b = len(values)
+    rank = s.read("block_rank", U8, b)
+    s.need(all(r <= most_rank for r in rank), "block_rank", "above max_rank")
+    s.need(-128 not in s.read("basis", I8, sum(n * r for n, r in zip(values, rank))), "basis", "-128 is reserved")
     s.amounts("coefficient_scale", F32, 3 * sum(rank))
     links = s.extent("link_wavelet")
-    first, wavelet = s.offsets("block_first_link", b, links), s.below("link_wavelet", 3 * c - 2, links)
+    first, wavelet = s.offsets("block_first_link", b, links), s.below("link_wavelet", 3 * clusters - 2, links)
     s.need(all(wavelet[k] <= wavelet[k + 1] for j in range(b) for k in range(first[j], first[j + 1] - 1)), "link_wavelet", "falling within a block")
     s.read("coefficient", I8, 3 * sum((first[j + 1] - first[j]) * rank[j] for j in range(b)))
+
+
+def prm_probes(container):
+    s = _Section(container, "prm_probes")
+    h, p = s.header(), _Section(container, "prm").header()
+    s.need(1 <= h["probes"] <= 1 << 22 and h["max_rank"] <= 12, "header", "its counts")
+    s.need(p["layout"] == 3 and p["clusters"] > 0, "header", "section prm has no local bases")
+    s.finite("position", F32, h["probes"], 3)
+    _blocks(s, [12] * h["probes"], h["max_rank"], p["clusters"])
+    if h["has_emitter"]:
+        s.finite("emitter", F16, h["probes"], 9, 3)
 
 
 def environment(container):
@@ -234,10 +243,6 @@ def _node_count(patches):
     return total
 
 
-def _weight(code):
-    return (16 + (code & 15)) << (code >> 4)
-
-
 def _gates(s, links, first, gates):
     """The gate set of each link, and what share of it light gets through with all portals shut and all open."""
     if "link_gates" not in s.chunks:
@@ -262,7 +267,7 @@ def _links(s, rows, nodes, gates, first_name, scale_name, most):
         row = range(first[i], first[i + 1])
         s.need(all(link_gates[k] != link_gates[k + 1] or node[k] < node[k + 1] for k in row[:-1]), "link_node", "not rising")
         for portals in (0, 1):
-            s.need(scale[i] * sum(_weight(code[k]) * through[link_gates[k]][portals] for k in row) <= most, scale_name, f"row {i} receives more than there is")
+            s.need(scale[i] * sum(link_weight(code[k]) * through[link_gates[k]][portals] for k in row) <= most, scale_name, f"row {i} receives more than there is")
 
 
 def radiosity(container):
@@ -369,8 +374,8 @@ def _triples(values):
     return zip(values[::3], values[1::3], values[2::3])
 
 
-_NEEDS = {"geometry": ["scene", "atlas"], "prm": ["scene", "atlas"], "radiosity": ["scene", "atlas", "geometry"], "lightmap": ["atlas"], "probes": ["radiosity"]}
-_CHECKS = {f.__name__: f for f in (meta, scene, atlas, geometry, prm, environment, radiosity, probes, lightmap, vpl, points)}
+_NEEDS = {"geometry": ["scene", "atlas"], "prm": ["scene", "atlas"], "radiosity": ["scene", "atlas", "geometry"], "lightmap": ["atlas"], "probes": ["radiosity"], "prm_probes": ["prm"]}
+_CHECKS = {f.__name__: f for f in (meta, scene, atlas, geometry, prm, prm_probes, environment, radiosity, probes, lightmap, vpl, points)}
 
 
 def check(container):

@@ -71,6 +71,39 @@ TEST_F(CliRadiosityTest, ProbesAreBakedListedAndLit) {
   EXPECT_EQ(lightwell(with_probes).exit_code, 3);
 }
 
+// Two estimators that share nothing but the scene: sums over wavelets of clusters, and links to nodes of patches.
+TEST_F(CliRadiosityTest, ProbesOfRadianceMapsAgreeWithThoseOfPatches) {
+  writeFile(path("points.json"), R"({"probes": [[0.5, 0.5, 0.5], [1.2, 0.8, 0.6], [0.3, 0.2, 0.7], [1.8, 0.4, 0.3]]})");
+  run({"bake", path("lamp.gltf"), "-o", path("both.lwc"), "--techniques", "prm,radiosity", "--lightmap-size", "64", "--quality", "preview", "--probes", path("points.json")});
+  run({"verify", path("both.lwc")});
+  const auto info = runJson({"info", path("both.lwc"), "--json"}, "info");
+  EXPECT_EQ(info["content"]["prm_probes"]["probes"], 4);
+  nlohmann::json light[2];
+  for (const char* technique : {"prm", "radiosity"}) {
+    run({"evaluate", path("both.lwc"), "--technique", technique, "--component", "indirect", "-o", path("e.exr"), "--probes-out", path("light.json")});
+    light[technique[0] == 'r'] = nlohmann::json::parse(readFile(path("light.json")));
+  }
+  EXPECT_EQ(schemaViolation(readSchema("probes"), light[0]), "");
+  const double band[] = {std::numbers::pi, 2 * std::numbers::pi / 3, std::numbers::pi / 4};
+  // Of all light, and of how it differs by direction, which is little in a closed room.
+  double square = 0, difference = 0, uneven_square = 0, uneven_difference = 0, mean[2] = {};
+  for (size_t i = 0; i < 4; ++i)
+    for (size_t k = 0; k < 9; ++k) {
+      const double a = band[k == 0 ? 0 : k < 4 ? 1 : 2];
+      double v[2];
+      for (int t = 0; t < 2; ++t) v[t] = a * light[t]["probes"][i]["radiance_sh"][k][1].get<double>();
+      square += v[1] * v[1], difference += (v[0] - v[1]) * (v[0] - v[1]);
+      if (k == 0) mean[0] += v[0], mean[1] += v[1];
+      else uneven_square += v[1] * v[1], uneven_difference += (v[0] - v[1]) * (v[0] - v[1]);
+      EXPECT_EQ(light[0]["probes"][i]["position"], light[1]["probes"][i]["position"]);
+    }
+  EXPECT_LT(std::sqrt(difference / square), 0.05);
+  EXPECT_LT(std::sqrt(uneven_difference / uneven_square), 0.5);
+  EXPECT_NEAR(mean[0] / mean[1], 1, 0.03);
+  EXPECT_EQ(lightwell({"bake", path("lamp.gltf"), "-o", path("q.lwc"), "--techniques", "prm", "--prm-layout", "panes", "--probes", path("points.json")}).exit_code, 2);
+  EXPECT_EQ(lightwell({"bake", path("lamp.gltf"), "-o", path("q.lwc"), "--techniques", "lightmap", "--probes", path("points.json")}).exit_code, 2);
+}
+
 TEST_F(CliRadiosityTest, IsListedAndSound) {
   run({"verify", path("r.lwc")});
   const auto radiosity = runJson({"info", path("r.lwc"), "--json"}, "info")["content"]["radiosity"];

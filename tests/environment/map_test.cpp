@@ -10,6 +10,7 @@
 #include <ImfTileDescription.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -252,16 +253,21 @@ TEST_F(MapFiles, OpenExrDataWindowAgainstDisplayWindow) {
         ASSERT_EQ(pixels[size_t(y) * 16 + size_t(x)][c], y >= 2 && x <= 11 ? exrValue(c, x, y) : 0.0f) << x << " " << y;
 }
 
-TEST_F(MapFiles, DamagedOpenExrFiles) {
+/// The bytes of a sound file, written to `file`.
+std::string wholeExr(const std::filesystem::path& file) {
   const std::vector<std::string> rgb = {"R", "G", "B"};
   {
     Planes<float> planes(kWindow, 3);
-    Imf::OutputFile out(path("whole.exr").c_str(), exrHeader(kWindow, kWindow, rgb, Imf::FLOAT));
+    Imf::OutputFile out(file.c_str(), exrHeader(kWindow, kWindow, rgb, Imf::FLOAT));
     out.setFrameBuffer(planes.frame(rgb));
     out.writePixels(10);
   }
-  std::ifstream in(path("whole.exr"), std::ios::binary);
-  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST_F(MapFiles, DamagedOpenExrFiles) {
+  const std::string whole = wholeExr(path("whole.exr"));
   for (size_t length = 0; length < whole.size(); length += 7)
     ASSERT_NE(rejection(write("cut.exr", whole.substr(0, length))), "accepted") << length;
   {
@@ -271,6 +277,39 @@ TEST_F(MapFiles, DamagedOpenExrFiles) {
     out.writePixels(10);
   }
   EXPECT_NE(rejection(path("depth.exr")).find("Z"), std::string::npos);
+}
+
+/// The kilobyte of a header that claims an attribute of 1.8 GB takes no 1.8 GB, which OpenEXR would clear before it read them.
+TEST_F(MapFiles, OpenExrAttributesLongerThanTheFileAreRejectedUnread) {
+  const std::string whole = wholeExr(path("whole.exr"));
+  const auto peakBytes = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return int64_t(usage.ru_maxrss) * 1024;
+  };
+  const int64_t before = peakBytes();
+  for (const std::string type : {"string", "stringvector", "floatvector", "preview", "of_no_known_type"}) {
+    const std::string attribute = std::string("note") + '\0' + type + '\0' + std::string("\0\0\0\x6f", 4) + "text";
+    EXPECT_NE(rejection(write("claims.exr", whole.substr(0, 8) + attribute + whole.substr(8))).find("Invalid size"), std::string::npos) << type;
+  }
+  EXPECT_LT(peakBytes() - before, 64 << 20);
+}
+
+TEST_F(MapFiles, OpenExrBlocksThatAreTooLargeAreRejectedByTheirSize) {
+  const Imath::Box2i wide({0, 0}, {(1 << 20) - 1, 0});
+  const auto rejectionOf = [&](Imf::Compression compression, const char* name) {
+    Imf::Header given = exrHeader(Imath::Box2i({0, 0}, {63, 0}), wide, {"R", "G", "B"}, Imf::FLOAT);
+    given.compression() = compression;
+    {
+      Planes<float> planes(wide, 3);
+      Imf::OutputFile out(path(name).c_str(), given);
+      out.setFrameBuffer(planes.frame({"R", "G", "B"}));
+      out.writePixels(1);
+    }
+    return rejection(path(name));
+  };
+  EXPECT_NE(rejectionOf(Imf::ZIP_COMPRESSION, "zip.exr").find("compression: packs 16 rows of 1048576 texels together"), std::string::npos);
+  EXPECT_EQ(rejectionOf(Imf::ZIPS_COMPRESSION, "zips.exr"), "accepted");
 }
 
 TEST_F(MapFiles, FlippedBytesAreReadOrRejected) {

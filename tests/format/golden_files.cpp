@@ -1,5 +1,7 @@
 #include "tests/format/golden_files.h"
 
+#include <google/protobuf/message.h>
+
 #include <functional>
 
 #include "format/decode/endian.h"
@@ -8,6 +10,7 @@
 #include "tests/format/environment_content.h"
 #include "tests/format/forge.h"
 #include "tests/format/lightmap_content.h"
+#include "tests/format/prm_probes_content.h"
 #include "tests/format/probes_content.h"
 #include "tests/format/radiosity_content.h"
 #include "tests/format/points_content.h"
@@ -76,13 +79,23 @@ std::vector<GoldenFile> validFiles() {
   opaque.prm.set_has_emitter(false);
   opaque.left_out = {"geometry/alpha_uv", "geometry/triangle_alpha", "geometry/alpha_material", "geometry/alpha_texture_0",
                      "atlas/emission", "prm/emitter_direct", "prm/emitter_indirect", "meta"};
+  Content fields = panesContent();  // a later minor version: fields and a chunk that this one does not know, in sections that it does
+  const auto addField = [](google::protobuf::Message& message) { message.GetReflection()->MutableUnknownFields(&message)->AddLengthDelimited(1000, "of a later version"); };
+  addField(fields.scene);
+  addField(*fields.scene.mutable_lights(0));
+  addField(fields.atlas);
+  addField(fields.prm);
+  Writer parts = toWriter(fields);
+  parts.add("prm", "later", std::vector<uint8_t>{1, 2, 3});
   return {{"valid/empty.lwc", Writer().bytes()},
           {"valid/every_codec.lwc", everyCodec().build()},
           {"valid/later_optional.lwc", optional.build()},
           {"valid/later_minor.lwc", spoilt(everyCodec().build(), [](Bytes& f) { storeLittle(&f[10], uint16_t(9)); })},
+          {"valid/later_parts.lwc", parts.bytes()},
           {"valid/panes.lwc", toWriter(panesContent()).bytes()},
           {"valid/panes_half.lwc", toWriter(halves).bytes()},
           {"valid/local_bases.lwc", toWriter(localBasesContent()).bytes()},
+          {"valid/prm_probes.lwc", toWriter(prmProbesContent()).bytes()},
           {"valid/opaque.lwc", toWriter(opaque).bytes()},
           {"valid/environment.lwc", toWriter(environmentContent()).bytes()},
           {"valid/sky_panes.lwc", toWriter(skyPanesContent()).bytes()},

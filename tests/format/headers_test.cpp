@@ -67,7 +67,7 @@ TEST(Headers, Scene) {
   const std::string bytes = wanted.SerializeAsString();
   SceneHeader scene;
   Light light;
-  ASSERT_TRUE(parseSceneHeader(data(bytes), bytes.size(), scene, &light, 0));
+  ASSERT_TRUE(parseSceneHeader(data(bytes), bytes.size(), scene, &light, 1));
   EXPECT_EQ(scene.light_count, 1u);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(scene.origin_m[i], wanted.origin(i));

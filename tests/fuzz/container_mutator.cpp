@@ -67,6 +67,7 @@ std::unique_ptr<google::protobuf::Message> headerOf(const v1::Chunk& chunk) {
   if (chunk.section() == "scene") return std::make_unique<v1::SceneHeader>();
   if (chunk.section() == "atlas") return std::make_unique<v1::AtlasHeader>();
   if (chunk.section() == "prm") return std::make_unique<v1::PrmHeader>();
+  if (chunk.section() == "prm_probes") return std::make_unique<v1::PrmProbesHeader>();
   if (chunk.section() == "environment") return std::make_unique<v1::EnvironmentHeader>();
   if (chunk.section() == "radiosity") return std::make_unique<v1::RadiosityHeader>();
   if (chunk.section() == "probes") return std::make_unique<v1::ProbesHeader>();

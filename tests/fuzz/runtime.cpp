@@ -10,6 +10,7 @@
 #include "format/encode/verify.h"
 #include "lightwell/lightwell.h"
 #include "lightwell/lightwell_error.h"
+#include "lightwell/lightwell_prm_probes.h"
 #include "tests/fuzz/require.h"
 
 namespace lightwell::fuzz {
@@ -114,6 +115,15 @@ class Walk {
       require(result == LW_OK || result == LW_INVALID_ARGUMENT, "irradiance of texels");
       if (result == LW_OK)
         for (const float value : atlas) require(std::isfinite(value) && value >= 0, "irradiance of texels");
+      if (lw_prm_probes* probes = nullptr; info.layout == LW_PRM_LOCAL_BASES && done(lw_prm_probes_load(container_, prm, &probes))) {
+        lw_prm_probes_info known;
+        lw_prm_probes_get_info(probes, &known);
+        std::vector<float> light(27 * size_t(known.probes)), memory(lw_prm_probes_scratch_bytes(probes) / 4);
+        const lw_result lit = lw_prm_probes_evaluate(probes, clusters.data(), nullptr, memory.data(), memory.size() * 4, light.data());
+        require(lit == LW_OK || lit == LW_INVALID_ARGUMENT, "light of probes");
+        if (lit == LW_OK) requireNumbers(light, "light of probes");
+        lw_prm_probes_release(probes);
+      }
     }
     lw_prm_release(prm);
   }

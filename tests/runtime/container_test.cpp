@@ -148,6 +148,11 @@ TEST(Container, DecodesEveryArray) {
   ASSERT_EQ(lw_decode_alpha_texture(c, uint32_t(leaf.texture), alpha, sizeof alpha), LW_OK);
   EXPECT_EQ(alpha[5], 250);
   EXPECT_EQ(lw_get_alpha_material(c, 1, &leaf), LW_NOT_FOUND);
+  lw_alpha_material all[2];
+  ASSERT_EQ(lw_get_alpha_materials(c, 1, all), LW_OK);
+  EXPECT_EQ(std::memcmp(all, &leaf, sizeof leaf), 0);
+  EXPECT_EQ(lw_get_alpha_materials(c, 0, nullptr), LW_OK);
+  EXPECT_EQ(lw_get_alpha_materials(c, 2, all), LW_NOT_FOUND);
   EXPECT_EQ(lw_decode_alpha_texture(c, 1, alpha, sizeof alpha), LW_NOT_FOUND);
 }
 
@@ -185,6 +190,51 @@ TEST(Container, OpensFromFileAndCallbacks) {
   EXPECT_EQ(lw_decode_array(container, LW_ARRAY_INDEX, index, sizeof index), LW_IO_ERROR);
   lw_close(container);
   EXPECT_EQ(lw_open_reader(&reader, nullptr, &container), LW_IO_ERROR);
+}
+
+/// A file of 100,000 lamps is read and parsed once, not once for each.
+TEST(Container, ALightCostsNothingButItself) {
+  v1::SceneHeader scene;
+  for (int i = 0; i < 3; ++i) scene.add_origin(0), scene.add_bounds_min(0), scene.add_bounds_max(1);
+  for (int n = 0; n < 100'000; ++n) {
+    v1::Light& light = *scene.add_lights();
+    light.set_type(v1::LIGHT_TYPE_POINT);
+    for (int i = 0; i < 3; ++i) light.add_position(float(n)), light.add_direction(0), light.add_intensity(1);
+  }
+  format::Writer writer;
+  writer.addSection("scene");
+  writer.addMessage("scene", "header", scene);
+  const std::vector<uint8_t> bytes = writer.bytes();
+  struct Memory {
+    const std::vector<uint8_t>* bytes;
+    size_t reads;
+  } memory{&bytes, 0};
+  lw_reader reader{};
+  reader.read = [](void* user, uint64_t offset, void* destination, size_t count) {
+    auto& m = *static_cast<Memory*>(user);
+    ++m.reads;
+    std::memcpy(destination, m.bytes->data() + offset, count);
+    return 0;
+  };
+  reader.user = &memory;
+  reader.file_bytes = bytes.size();
+  Host host;
+  const lw_config config = host.config();
+  lw_container* container = nullptr;
+  ASSERT_EQ(lw_open_reader(&reader, &config, &container), LW_OK);
+  const size_t reads = memory.reads, allocations = host.allocations;
+  lw_scene_info info{};
+  ASSERT_EQ(lw_get_scene_info(container, &info), LW_OK);
+  ASSERT_EQ(info.light_count, 100'000u);
+  for (uint32_t n = 0; n < info.light_count; ++n) {
+    lw_light light{};
+    ASSERT_EQ(lw_get_light(container, n, &light), LW_OK);
+    ASSERT_EQ(light.position_m[0], float(n));
+  }
+  EXPECT_EQ(memory.reads, reads);
+  EXPECT_EQ(host.allocations, allocations);
+  lw_close(container);
+  EXPECT_EQ(host.live, 0u);
 }
 
 TEST(Container, ReturnsAllMemoryAndSurvivesItsLack) {

@@ -43,7 +43,7 @@ class GlFixture : public GlTest {
   }
 
   SyntheticPrm synthetic;
-  Container container{nullptr, lw_close};
+  Container container;
   Prm prm{nullptr, lw_prm_release};
 };
 

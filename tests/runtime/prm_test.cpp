@@ -38,7 +38,7 @@ class PrmEvaluation : public testing::TestWithParam<Layout> {
     return atlas;
   }
   SyntheticPrm synthetic;
-  Container container{nullptr, lw_close};
+  Container container;
   Prm prm{nullptr, lw_prm_release};
 };
 
@@ -178,7 +178,7 @@ class PrmLights : public testing::Test {
     return std::max(c, 0.0);
   }
   SyntheticPrm synthetic;
-  Container container{nullptr, lw_close};
+  Container container;
   Prm prm{nullptr, lw_prm_release};
   std::vector<float> irradiance;
 };

@@ -2,6 +2,7 @@
 #include "lightwell/lightwell_gl_dynamic.h"
 #include "lightwell/lightwell_gl_vpl.h"
 #include "lightwell/lightwell_error.h"
+#include "lightwell/lightwell_prm_probes.h"
 #include "lightwell/lightwell_gl.h"
 #include "lightwell/lightwell.h"
 
@@ -14,9 +15,10 @@ int main(void) {
   lw_gl_environment_options sky = LW_GL_ENVIRONMENT_OPTIONS_INIT;
   lw_gl_environment_shading shading = LW_GL_ENVIRONMENT_SHADING_INIT;
   lw_gl_vpl_options light_map = LW_GL_VPL_OPTIONS_INIT;
+  lw_prm_probes_evaluation probes = LW_PRM_PROBES_EVALUATION_INIT;
   lw_container *container = NULL;
   lw_gl *gl = NULL;
-  if (config.size != sizeof config || options.emitters != (LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT) || gl_options.atlas_texture != 0 || light.shadow_matrix[15] != 1)
+  if (config.size != sizeof config || probes.emitters != 1 || options.emitters != (LW_EMITTERS_INDIRECT | LW_SKY_INDIRECT) || gl_options.atlas_texture != 0 || light.shadow_matrix[15] != 1)
     return 1;
   if (sky.bounds_max_m[2] != 1 || shading.technique != LW_ENVIRONMENT_SHARE || shading.scale_rgb[2] != 1) return 5;
   if (light_map.size != sizeof light_map || light_map.fill != 1 || light_map.epsilon != 0.0f) return 6;

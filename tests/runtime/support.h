@@ -4,13 +4,19 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lightwell/lightwell.h"
 
 namespace lightwell::test {
 
-using Container = std::unique_ptr<lw_container, decltype(&lw_close)>;
+/// Closes a container that was opened in memory, before the bytes it reads in place go.
+struct CloseBeforeBytes {
+  std::vector<uint8_t> bytes;
+  void operator()(lw_container* container) const { lw_close(container); }
+};
+using Container = std::unique_ptr<lw_container, CloseBeforeBytes>;
 using Prm = std::unique_ptr<lw_prm, decltype(&lw_prm_release)>;
 
 /// Counts the caller's memory and keeps the last message.
@@ -40,10 +46,10 @@ struct Host {
   }
 };
 
-inline Container openMemory(const std::vector<uint8_t>& bytes, const lw_config* config = nullptr) {
+inline Container openMemory(std::vector<uint8_t> bytes, const lw_config* config = nullptr) {
   lw_container* container = nullptr;
   EXPECT_EQ(lw_open_memory(bytes.data(), bytes.size(), config, &container), LW_OK);
-  return {container, lw_close};
+  return {container, {std::move(bytes)}};
 }
 inline Prm loadPrm(const lw_container* container) {
   lw_prm* prm = nullptr;

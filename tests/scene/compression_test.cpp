@@ -119,6 +119,27 @@ TEST_F(Compression, DracoGivesTheSameSurface) {
   for (const int speed : {10, 0}) expectSameSurface(plain, load(dracoScene(grid, speed)));
 }
 
+/// Attributes that the Draco mesh does not hold come from accessors, and these may be sparse, without anything to be sparse in.
+TEST_F(Compression, DracoBesideSparseAccessors) {
+  GltfBuilder b = dracoScene(Grid(5), 10);
+  const size_t vertices = b.json["accessors"][0]["count"];
+  const size_t indices = b.view(std::vector<uint16_t>{1}), values = b.view(std::vector<float>{0, 0.5f, 1});
+  const Json sparse = {{"count", 1}, {"indices", {{"bufferView", indices}, {"componentType", 5123}}}, {"values", {{"bufferView", values}}}};
+  const auto accessor = [&](const Json& of) { return b.add("accessors", {{"count", vertices}, {"type", "VEC3"}, {"componentType", 5126}, {"sparse", of}}); };
+  b.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = accessor(sparse);
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.mesh.colors.size(), scene.mesh.positions.size());
+  expectSameSurface(load(plainScene(Grid(5))), scene);
+  size_t coloured = 0;
+  for (const auto& color : scene.mesh.colors) coloured += color[1] == 0.5f && color[2] == 1;
+  EXPECT_GT(coloured, 0u);
+  EXPECT_LT(coloured, 10u);
+  Json past = sparse;
+  past["count"] = 2;
+  b.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = accessor(past);
+  EXPECT_THAT(errorOf(b), HasSubstr("attributes.COLOR_0: "));
+}
+
 TEST_F(Compression, DamagedMeshoptNamesTheView) {
   GltfBuilder b = meshoptScene(Grid(5));
   b.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["byteLength"] = 20;

@@ -64,7 +64,7 @@ TEST_F(Geometry, PointsAndLinesAreLeftOutWithACountedWarning) {
   const Scene scene = load(b);
   EXPECT_TRUE(scene.mesh.triangles.empty());
   EXPECT_TRUE(scene.bounds.isEmpty());
-  EXPECT_TRUE(warned("meshes", "4 primitives are points or lines"));
+  EXPECT_TRUE(warned("meshes[0].primitives[0]", "4 primitives are points or lines"));
   EXPECT_TRUE(warned("scenes", "no surfaces"));
 }
 

@@ -153,6 +153,18 @@ TEST_F(Rejection, InstancesWithoutEnd) {
   EXPECT_THAT(errorOf(b), HasSubstr("EXT_mesh_gpu_instancing.attributes: has more instances than the limit"));
 }
 
+/// Limits of SECURITY.md, each passed by little: nothing of that size is read or allocated.
+TEST_F(Rejection, FilesAndScenesBeyondTheLimits) {
+  writeBytes(folder / "long.glb", "glTF");
+  std::filesystem::resize_file(folder / "long.glb", (4ull << 30) + 1);  // a hole
+  EXPECT_THAT(errorOfFile(folder / "long.glb"), HasSubstr("more than the limit of 4294967296"));
+  GltfBuilder b;
+  const size_t many = b.add("accessors", {{"count", 3'000'000}, {"type", "VEC3"}, {"componentType", 5126}});
+  b.show({{"attributes", {{"POSITION", many}}}});
+  for (int i = 0; i < 23; ++i) b.json["scenes"][0]["nodes"].push_back(b.add("nodes", {{"mesh", 0}}));
+  EXPECT_THAT(errorOf(b), HasSubstr("the scene has more vertices than the limit of 67108864"));
+}
+
 TEST_F(Rejection, UrisOutsideTheFolder) {
   GltfBuilder b;
   b.show(b.triangle());

@@ -41,6 +41,8 @@ std::vector<size_t> rootNodes(const Document& document, Diagnostics& diagnostics
   if (scene_count > 0) {
     const auto chosen = root.find("scene");
     const JsonValue scene = document.element("scenes", chosen ? chosen->index(scene_count, "scenes") : 0);
+    if (scene_count > 1)
+      diagnostics.warn("scenes", "the file has " + std::to_string(scene_count) + " scenes; only " + scene.path() + (chosen ? ", its default," : ", the first,") + " is baked");
     if (const auto nodes = scene.find("nodes"))
       for (size_t i = 0; i < nodes->size(); ++i) roots.push_back((*nodes)[i].index(node_count, "nodes"));
     if (roots.empty()) diagnostics.warn(scene.path(), "the scene has no nodes");

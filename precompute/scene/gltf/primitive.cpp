@@ -163,6 +163,9 @@ Primitive readPrimitive(Document& document, const JsonValue& primitive, const Wa
   const size_t mode = primitive.unsignedOr("mode", size_t(TopologyMode::triangles));
   result.triangles = triangulate(indices, source.draco() ? TopologyMode::triangles : TopologyMode(mode));
   if (result.triangles.empty()) diagnostics.warn(result.path, "has no triangles");
+  else if (mode == size_t(TopologyMode::triangles) && indices.size() % 3 != 0)
+    diagnostics.warn(result.path, std::to_string(indices.size()) + (reference ? " indices" : " vertices") + " make no whole number of triangles; the last " +
+                                      (indices.size() % 3 == 1 ? "is" : "two are") + " left out");
   return result;
 }
 

@@ -14,13 +14,16 @@
 #include <array>
 #include <string>
 
+#include "precompute/core/exr_check.h"
+
 namespace lightwell::transport {
 namespace {
 
 constexpr int64_t kMaxWindow = 1 << 20;            // texels along a side of the data window
 constexpr int64_t kMaxRowBytes = int64_t{1} << 26;  // of all channels together
 constexpr int64_t kMaxTileSide = 8192;
-constexpr int64_t kMaxBlockBytes = int64_t{1} << 29;  // what OpenEXR holds while a row is read: the rows that are packed together, or a row of tiles
+// The rows that are packed together, or a row of tiles. OpenEXR holds up to three times as much while it reads: for rows of 65,536 RGBA halfs packed by 256, 0.4 GB.
+constexpr int64_t kMaxBlockBytes = int64_t{1} << 27;
 
 /// The names of the channels that carry red, green and blue; all the same for luminance alone.
 struct ColorChannels {
@@ -121,11 +124,11 @@ class OpenExrRows : public RowSource {
     const int64_t data_width = int64_t(data.max.x) - data.min.x + 1, data_height = int64_t(data.max.y) - data.min.y + 1;
     if (data_width < 1 || data_height < 1 || data_width > kMaxWindow || data_height > kMaxWindow)
       fail("dataWindow", "unusable size " + std::to_string(data_width) + " x " + std::to_string(data_height));
-    int64_t channel_count = 0;
-    for (auto it = header().channels().begin(); it != header().channels().end(); ++it) ++channel_count;
-    if (channel_count * data_width * 4 > kMaxRowBytes) fail("channels", "too many channels for rows of " + std::to_string(data_width));
-    if (rowsPackedTogether(header().compression()) * channel_count * data_width * 4 > kMaxBlockBytes)
-      fail("compression", "blocks too large for rows of " + std::to_string(data_width) + " texels");
+    int64_t texel_bytes = 0;
+    for (auto it = header().channels().begin(); it != header().channels().end(); ++it) texel_bytes += it.channel().type == Imf::HALF ? 2 : 4;
+    if (texel_bytes * data_width > kMaxRowBytes) fail("channels", "too many channels for rows of " + std::to_string(data_width));
+    if (const int64_t rows = rowsPackedTogether(header().compression()); rows * texel_bytes * data_width > kMaxBlockBytes)
+      fail("compression", "packs " + std::to_string(rows) + " rows of " + std::to_string(data_width) + " texels together, more than the limit of 128 MiB; store the map with ZIPS");
     for (const std::string& name : channels_.names) {
       const Imf::Channel& channel = *header().channels().findChannel(name);
       if (channel.xSampling != 1 || channel.ySampling != 1) fail("channel " + name, "subsampled");
@@ -133,7 +136,7 @@ class OpenExrRows : public RowSource {
     if (header().hasTileDescription()) {
       const Imf::TileDescription& tiles = header().tileDescription();
       if (tiles.xSize < 1 || tiles.ySize < 1 || tiles.xSize > kMaxTileSide || tiles.ySize > kMaxTileSide ||
-          int64_t(tiles.ySize) * data_width * channel_count * 4 > kMaxBlockBytes)
+          int64_t(tiles.ySize) * data_width * texel_bytes > kMaxBlockBytes)
         fail("tiles", "unusable size " + std::to_string(tiles.xSize) + " x " + std::to_string(tiles.ySize));
     }
   }
@@ -164,6 +167,7 @@ class OpenExrRows : public RowSource {
 }  // namespace
 
 std::unique_ptr<RowSource> openOpenExrRows(const std::filesystem::path& file, Diagnostics& diagnostics) {
+  checkExrHeaders(file);
   try {
     return std::make_unique<OpenExrRows>(file, diagnostics);
   } catch (const InputError&) {

@@ -17,6 +17,8 @@ constexpr uint32_t kMostBounces = 16384;
 constexpr uint32_t kPilotPaths = 128;  // of a source that may miss; at most so many paths for one that is reflected
 /// Light that meets a surface at a grazing angle to its triangle but not to its interpolated normal counts more there, up to this factor.
 constexpr float kMostNormalGain = 16;
+// Of a coordinate: where float numbers end, and a thousandth of what a lamp may be away from a wall in a room.
+constexpr float kPlaneRounding = 0x1p-22f;
 enum Dimension : uint32_t { kStart = 0, kDirection = 1, kPick = 2, kSide = 3, kPatch = 4, kFirstBounce = 8, kPerBounce = 2 };
 
 Vec3 about(const Vec3& axis, const Vec3& local) {
@@ -152,6 +154,8 @@ LightPaths::Start LightPaths::startOfLamp(const Source& source, const Vec2& plac
   const Vec3 local(sine * std::cos(angle), sine * std::sin(angle), cosine);
   start.ray.origin = light.position;
   start.ray.direction = (spot ? about(light.direction, local) : local).normalized();
+  // A surface in whose very plane a lamp is does not hide from it what is in front: its rays begin behind the rounding of their origin.
+  start.ray.t_min = kPlaneRounding * std::max({std::abs(light.position.x), std::abs(light.position.y), std::abs(light.position.z), 1.0f});
   return start;
 }
 

@@ -5,6 +5,7 @@
 #include "precompute/core/random.h"
 #include "precompute/transport/prm/entry_irradiance.h"
 #include "precompute/transport/prm/panes.h"
+#include "precompute/transport/prm/probe_basis.h"
 #include "precompute/transport/reference/reference.h"
 
 namespace lightwell::transport {
@@ -12,6 +13,8 @@ namespace {
 
 // Normals within one block of texels span at most this chord along each axis, as in entry clusters: what faces elsewhere sees another light.
 constexpr float kBlockNormalExtent = 0.5f;
+// An object is lit by a probe or two: no neighbours' errors even theirs out, as texels' do.
+constexpr float kProbeRankShare = 0.25f, kProbeStepShare = 0.5f;
 constexpr uint64_t kTrainingSeed = 0x7ea1717e5ull;  // apart from the seeds that errors are measured with
 
 void writeMatrix(ByteWriter& writer, const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& matrix) {
@@ -38,6 +41,28 @@ GroupRows readRows(ByteReader& reader) {
   if (rows.first.empty() || rows.first.back() != rows.group.size() || rows.group.size() != rows.transfer_rgb.size())
     throw std::runtime_error("a task result is damaged");
   return rows;
+}
+
+void writeBlock(ByteWriter& writer, const BasisBlock& block) {
+  const uint32_t rank = block.rank;
+  writer.array(std::span<const uint32_t>(&rank, 1));
+  writer.array(block.basis);
+  writer.array(block.scale);
+  writer.array(block.link_wavelet);
+  writer.array(block.coefficient);
+}
+
+void readBlock(ByteReader& reader, PrmBlocks& blocks) {
+  const auto append = [&](auto& values) {
+    const auto more = reader.array<typename std::decay_t<decltype(values)>::value_type>();
+    values.insert(values.end(), more.begin(), more.end());
+  };
+  blocks.block_rank.push_back(uint8_t(reader.array<uint32_t>().at(0)));
+  append(blocks.basis);
+  append(blocks.scale);
+  append(blocks.link_wavelet);
+  append(blocks.coefficient);
+  blocks.block_first_link.push_back(uint32_t(blocks.link_wavelet.size()));
 }
 
 /// The entries of clusters [first, end).
@@ -144,6 +169,7 @@ uint32_t PrmBaker::groupCount() const { return impl_->clusters.group_count; }
 uint32_t PrmBaker::trainingLightCount() const { return uint32_t(impl_->training_lights.size()); }
 uint32_t PrmBaker::sideCount() const { return uint32_t(impl_->sides.slot.size()); }
 uint32_t PrmBaker::blockCount() const { return impl_->blocks.count(); }
+uint32_t PrmBaker::probeCount() const { return uint32_t(impl_->settings.probes.size()); }
 bool PrmBaker::hasEmitters() const { return impl_->has_emitters; }
 
 Bytes PrmBaker::oneBounce(uint32_t first, uint32_t end) const {
@@ -255,17 +281,42 @@ Bytes PrmBaker::fit(uint32_t first, uint32_t end, ByteView solved_bytes) const {
     }
     for (const BasisBlock& block : parts) {
       writer.array(block.slot);
-      const uint32_t rank = block.rank;
-      writer.array(std::span<const uint32_t>(&rank, 1));
-      writer.array(block.basis);
-      writer.array(block.scale);
-      writer.array(block.link_wavelet);
-      writer.array(block.coefficient);
       writer.array(pane_values);
       writer.array(block.emitter_indirect_rgb);
+      if (impl.settings.layout == PrmLayoutKind::local_bases) writeBlock(writer, block);
     }
   }
   return writer.take();
+}
+
+Bytes PrmBaker::fitProbes(uint32_t first, uint32_t end, ByteView solved_bytes) const {
+  const auto& impl = *impl_;
+  const Solved solved = impl.readSolved(solved_bytes);
+  LocalBasesOptions options = impl.settings.bases;
+  options.rays = impl.settings.probe_rays;
+  options.most_rank = kProbeValues;
+  options.rank_error *= kProbeRankShare;
+  options.wavelet_step *= kProbeStepShare;
+  ByteWriter writer;
+  for (uint32_t i = first; i < end; ++i) {
+    const ProbeBasis probe = fitProbe(impl.settings.probes[i], i, impl.gatherer, impl.clusters, impl.wavelets, solved.multi_bounce, solved.training, solved.emitters, options);
+    writeBlock(writer, probe.block);
+    writer.array(std::span<const Rgb>(probe.emitter_radiance_sh));
+  }
+  return writer.take();
+}
+
+PrmProbes PrmBaker::assembleProbes(std::span<const ByteView> parts) const {
+  PrmProbes probes;
+  probes.position = impl_->settings.probes;
+  for (const auto& part : parts)
+    for (ByteReader reader(part); !reader.empty();) {
+      readBlock(reader, probes);
+      const auto emitted = reader.array<Rgb>();
+      if (emitted.size() != 9) throw std::runtime_error("a task result is damaged");
+      if (impl_->has_emitters) std::copy(emitted.begin(), emitted.end(), probes.emitter_radiance_sh.emplace_back().begin());
+    }
+  return probes;
 }
 
 PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const ByteView> emitter) const {
@@ -275,20 +326,11 @@ PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const B
   auto& bases = result.bases;
   std::vector<uint32_t> slots;
   std::vector<Rgb> pane_values;  // [texel][group]
-  if (local_bases) {
-    bases.block_first_texel.push_back(0);
-    bases.block_first_link.push_back(0);
-  }
   for (const auto& part : blocks) {
     ByteReader reader(part);
     if (&part == &blocks.front()) bases.wavelet_unit = reader.array<uint8_t>();
     while (!reader.empty()) {
       const auto block_slots = reader.array<uint32_t>();
-      const auto rank = reader.array<uint32_t>();
-      const auto basis = reader.array<int8_t>();
-      const auto scale = reader.array<float>();
-      const auto links = reader.array<uint32_t>();
-      const auto coefficients = reader.array<int8_t>();
       const auto block_panes = reader.array<Rgb>();
       const auto emitted = reader.array<Rgb>();
       slots.insert(slots.end(), block_slots.begin(), block_slots.end());
@@ -298,12 +340,7 @@ PrmResult PrmBaker::assemble(std::span<const ByteView> blocks, std::span<const B
         continue;
       }
       bases.block_first_texel.push_back(uint32_t(slots.size()));
-      bases.block_rank.push_back(uint8_t(rank.at(0)));
-      bases.basis.insert(bases.basis.end(), basis.begin(), basis.end());
-      bases.scale.insert(bases.scale.end(), scale.begin(), scale.end());
-      bases.link_wavelet.insert(bases.link_wavelet.end(), links.begin(), links.end());
-      bases.block_first_link.push_back(uint32_t(bases.link_wavelet.size()));
-      bases.coefficient.insert(bases.coefficient.end(), coefficients.begin(), coefficients.end());
+      readBlock(reader, bases);
     }
   }
   for (const uint32_t slot : slots) result.texel.push_back(impl.atlas.slots[slot].texel);

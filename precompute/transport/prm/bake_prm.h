@@ -2,7 +2,7 @@
 //
 //   oneBounce(group range) ─┐
 //   trainingDirect(lights) ─┼─▶ solve ─▶ fit(block range) ─▶ assemble
-//   emitterDirect(sides)   ─┘
+//   emitterDirect(sides)   ─┘         └─▶ fitProbes(probe range) ─▶ assembleProbes
 //
 // PrmBaker holds what every stage derives from scene and settings alone; its construction is deterministic and cheap beside the stages.
 #pragma once
@@ -27,6 +27,8 @@ struct PrmSettings {
   uint32_t training_lights = 512;   // local bases only
   LightPrior prior;                 // local bases only: where these are
   uint32_t emitter_samples = 64;    // per texel
+  std::vector<Vec3> probes;         // points in the air, internal units; local bases only
+  uint32_t probe_rays = 8192;       // from each
   uint32_t walks_per_entry = 1;     // panes by walks
   uint64_t seed = 1;
 };
@@ -44,6 +46,7 @@ class PrmBaker {
   uint32_t trainingLightCount() const;  // 0 for panes
   uint32_t sideCount() const;
   uint32_t blockCount() const;
+  uint32_t probeCount() const;
   bool hasEmitters() const;
 
   /// What the fine clusters of groups [first, end) receive from groups.
@@ -59,7 +62,12 @@ class PrmBaker {
   /// Blocks [first, end): traced and, for local bases, fitted.
   Bytes fit(uint32_t first, uint32_t end, ByteView solved) const;
 
-  /// The finished map from the outputs of fit and of emitterDirect (each in range order).
+  /// Probes [first, end): traced and fitted.
+  Bytes fitProbes(uint32_t first, uint32_t end, ByteView solved) const;
+  /// The finished probes from the outputs of fitProbes in range order.
+  PrmProbes assembleProbes(std::span<const ByteView> probes) const;
+
+  /// The finished map, but for its probes, from the outputs of fit and of emitterDirect (each in range order).
   PrmResult assemble(std::span<const ByteView> blocks, std::span<const ByteView> emitter) const;
 
  private:

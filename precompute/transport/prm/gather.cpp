@@ -3,11 +3,12 @@
 #include <algorithm>
 
 #include "precompute/transport/side_rays.h"
+#include "precompute/transport/sphere_rays.h"
 
 namespace lightwell::transport {
 namespace {
 
-constexpr uint64_t kSideStream = 1ull << 40, kMeanStream = 2ull << 40;  // owners of random streams never meet
+constexpr uint64_t kSideStream = 1ull << 40, kMeanStream = 2ull << 40, kProbeStream = 3ull << 40;  // owners of random streams never meet
 
 }  // namespace
 
@@ -54,6 +55,21 @@ Rgb Gatherer::emittedIrradiance(uint32_t side, uint32_t rays) const {
     if (sides_.met(slot, hit.front) != kNone) radiance_rgb += atlas_.slots[slot].emitted_radiance_rgb;
   }
   return radiance_rgb * (kPi / float(rays));
+}
+
+std::vector<Gatherer::Met> Gatherer::around(const Vec3& point, uint32_t rays, uint64_t owner) const {
+  const auto list = sphereRays(point, rays, seed_, kProbeStream + owner);
+  std::vector<trace::Hit> hits(list.size());
+  tracer_.closest(list, hits);
+  std::vector<Met> met;
+  for (size_t i = 0; i < hits.size(); ++i) {
+    if (hits[i].triangle == kNone) continue;
+    const auto& slot = atlas_.slots[atlas_.slotAt(scene_.mesh, hits[i].triangle, hits[i].u, hits[i].v)];
+    const uint32_t side = sides_.met(uint32_t(&slot - atlas_.slots.data()), hits[i].front);
+    if (side != kNone && clusters_.cluster_of_side[side] != kNone)
+      met.push_back({clusters_.cluster_of_side[side], slot.albedo_rgb, slot.emitted_radiance_rgb, list[i].direction});
+  }
+  return met;
 }
 
 std::vector<trace::Ray> Gatherer::meanRays(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {

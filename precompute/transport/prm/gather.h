@@ -29,6 +29,13 @@ class Gatherer {
   /// The area-weighted mean row over the exposed surface of the sides `members` of a cluster or group: rays that meet the unlit backs of surfaces began
   /// inside of something and do not count. `owner` keys the random numbers.
   GatherRow mean(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
+  /// What rays from a point in the air meet, even over the sphere. Those that leave the scene or meet unlit backs are not in the list.
+  struct Met {
+    uint32_t cluster;
+    Rgb albedo_rgb, emitted_radiance_rgb;
+    Vec3 direction;
+  };
+  std::vector<Met> around(const Vec3& point, uint32_t rays, uint64_t owner) const;
   /// How many of `rays` rays of mean() meet each cluster: (cluster, count), clusters ascend.
   std::vector<std::pair<uint32_t, uint32_t>> met(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
   /// Irradiance that one texel's side receives straight from emitting surfaces.

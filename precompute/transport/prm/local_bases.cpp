@@ -5,8 +5,6 @@
 #include <bit>
 #include <numeric>
 
-#include "precompute/transport/prm/block_transport.h"
-
 namespace lightwell::transport {
 namespace {
 
@@ -267,7 +265,8 @@ namespace {
 /// The fit of a set of texels whose transport is known.
 class BlockFit {
  public:
-  BlockFit(const atlas::Atlas& atlas, const EntryClusters& clusters, const WaveletIndex& wavelets, const MultiBounce& multi_bounce,
+  /// `atlas`: of the slots of fit(); null when there are none.
+  BlockFit(const atlas::Atlas* atlas, const EntryClusters& clusters, const WaveletIndex& wavelets, const MultiBounce& multi_bounce,
            const TrainingLights& training, const LocalBasesOptions& options, const std::vector<uint32_t>& cluster)
       : atlas_(atlas), clusters_(clusters), wavelets_(wavelets), multi_bounce_(multi_bounce), training_(training), options_(options), cluster_(cluster),
         total_(Eigen::Index(cluster.size()), Eigen::Index(training.count)) {
@@ -289,7 +288,27 @@ class BlockFit {
 
   /// `from_cluster`: per channel [texel][cluster]. Appends one block or several.
   void fit(const std::vector<uint32_t>& slots, const std::array<RowMajor, 3>& from_cluster, std::vector<BasisBlock>& blocks) const {
-    const Eigen::Index texels = Eigen::Index(slots.size()), links = Eigen::Index(cluster_.size()), lights = training_.count;
+    const Weighted weighted = componentsOf(from_cluster);
+    if (weighted.components.rank > Eigen::Index(options_.most_rank) && slots.size() >= 2 * size_t(options_.least_texels)) {
+      for (const auto& part : halves(slots)) fitPart(slots, from_cluster, part, blocks);
+      return;
+    }
+    VectorXf area(Eigen::Index(slots.size()));
+    for (size_t t = 0; t < slots.size(); ++t) area[Eigen::Index(t)] = atlas_->slots[slots[t]].area;
+    blocks.push_back(basisOf(from_cluster, area, weighted));
+    blocks.back().slot = slots;
+  }
+
+  BasisBlock fitWhole(const std::array<RowMajor, 3>& from_cluster, const VectorXf& area) const { return basisOf(from_cluster, area, componentsOf(from_cluster)); }
+
+ private:
+  struct Weighted {
+    VectorXf texel_weight;
+    Components components;
+  };
+
+  Weighted componentsOf(const std::array<RowMajor, 3>& from_cluster) const {
+    const Eigen::Index texels = from_cluster[1].rows(), links = Eigen::Index(cluster_.size()), lights = training_.count;
     // The block's indirect light under every training light.
     MatrixXf samples(texels, lights);
     for (int channel = 0; channel < 3; ++channel) {
@@ -325,18 +344,16 @@ class BlockFit {
     for (const auto& matrix : from_cluster) even += matrix.rowwise().sum();
     const float even_mean = even.cwiseProduct(texel_weight).mean();
     if (even_mean > 0) addToGram(even / even_mean, kEvenWeight * float(lights));
-    const Components components(gram, double(options_.rank_error) * options_.rank_error * double(texels) * double(std::max<Eigen::Index>(1, counted)));
-    if (components.rank > Eigen::Index(options_.most_rank) && slots.size() >= 2 * size_t(options_.least_texels)) {
-      for (const auto& part : halves(slots)) fitPart(slots, from_cluster, part, blocks);
-      return;
-    }
-    BasisBlock& block = blocks.emplace_back();
-    block.slot = slots;
-    block.rank = uint32_t(std::min<Eigen::Index>(components.rank, options_.most_rank));
-    if (block.rank == 0) return;
-    const MatrixXf basis = components.basis(block.rank, texel_weight);
-    VectorXf area(texels);
-    for (Eigen::Index t = 0; t < texels; ++t) area[t] = atlas_.slots[slots[size_t(t)]].area;
+    return {texel_weight, Components(gram, double(options_.rank_error) * options_.rank_error * double(texels) * double(std::max<Eigen::Index>(1, counted)))};
+  }
+
+  BasisBlock basisOf(const std::array<RowMajor, 3>& from_cluster, const VectorXf& area, const Weighted& weighted) const {
+    const VectorXf& texel_weight = weighted.texel_weight;
+    const Eigen::Index texels = texel_weight.size();
+    BasisBlock block;
+    block.rank = uint32_t(std::min<Eigen::Index>(weighted.components.rank, options_.most_rank));
+    if (block.rank == 0) return block;
+    const MatrixXf basis = weighted.components.basis(block.rank, texel_weight);
     const MatrixXf to_coordinates = energyKeepingCoordinates(basis, texel_weight, area);
     const VectorXf basis_norm = (texel_weight.asDiagonal() * basis).colwise().norm() / std::sqrt(float(texels));
     std::array<MatrixXf, 3> coordinates;
@@ -344,17 +361,17 @@ class BlockFit {
     linkWavelets(clusters_, wavelets_, multi_bounce_, training_, cluster_, coordinates, basis_norm, options_, block);
     for (Eigen::Index t = 0; t < texels; ++t)
       for (Eigen::Index k = 0; k < basis.cols(); ++k) block.basis.push_back(int8_t(std::lround(basis(t, k) * kBasisSteps)));
+    return block;
   }
 
- private:
   /// The texels in two, as partitions are cut.
   std::array<std::vector<uint32_t>, 2> halves(const std::vector<uint32_t>& slots) const {
     std::vector<SurfaceElement> elements;
-    for (const uint32_t slot : slots) elements.push_back({atlas_.slots[slot].position, atlas_.slots[slot].normal});
+    for (const uint32_t slot : slots) elements.push_back({atlas_->slots[slot].position, atlas_->slots[slot].normal});
     return bisect(elements);
   }
 
-  const atlas::Atlas& atlas_;
+  const atlas::Atlas* atlas_;
   const EntryClusters& clusters_;
   const WaveletIndex& wavelets_;
   const MultiBounce& multi_bounce_;
@@ -404,6 +421,14 @@ std::vector<std::vector<uint32_t>> partsBySight(const BlockTransport& transport,
 
 }  // namespace
 
+BasisBlock fitWhole(const BlockTransport& transport, const std::vector<float>& weight, const EntryClusters& clusters, const WaveletIndex& wavelets,
+                    const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options) {
+  std::array<RowMajor, 3> from_cluster;
+  for (int channel = 0; channel < 3; ++channel) from_cluster[channel] = transport.from_cluster[channel];
+  const BlockFit fit(nullptr, clusters, wavelets, multi_bounce, training, options, transport.cluster);
+  return fit.fitWhole(from_cluster, Eigen::Map<const VectorXf>(weight.data(), Eigen::Index(weight.size())));
+}
+
 std::vector<BasisBlock> fitBlock(std::span<const uint32_t> slots, const atlas::Atlas& atlas, const Gatherer& gatherer, const EntryClusters& clusters,
                                  const WaveletIndex& wavelets, const MultiBounce& multi_bounce, const TrainingLights& training,
                                  const EmitterLight& emitters, const LocalBasesOptions& options) {
@@ -411,7 +436,7 @@ std::vector<BasisBlock> fitBlock(std::span<const uint32_t> slots, const atlas::A
   std::array<RowMajor, 3> from_cluster;
   for (int channel = 0; channel < 3; ++channel) from_cluster[channel] = transport.from_cluster[channel];
   std::vector<BasisBlock> blocks;
-  const BlockFit block_fit(atlas, clusters, wavelets, multi_bounce, training, options, transport.cluster);
+  const BlockFit block_fit(&atlas, clusters, wavelets, multi_bounce, training, options, transport.cluster);
   for (const auto& part : partsBySight(transport, clusters)) block_fit.fitPart({slots.begin(), slots.end()}, from_cluster, part, blocks);
   if (emitters.cluster_rgb.empty()) return blocks;
   for (BasisBlock& block : blocks)

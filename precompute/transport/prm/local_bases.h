@@ -4,6 +4,7 @@
 // is that of principal components of the block's indirect light under lights drawn from the prior; the amounts are the projection of the block's transport on
 // it, as a sparse row over the wavelets, quantised in steps that are even in what they change under those lights.
 #pragma once
+#include "precompute/transport/prm/block_transport.h"
 #include "precompute/transport/prm/light_prior.h"
 #include "precompute/transport/prm/multi_bounce.h"
 #include "precompute/transport/prm/partition.h"
@@ -60,6 +61,10 @@ struct BasisBlock {
   std::vector<int8_t> coefficient; // [link][rank][3]
   std::vector<Rgb> emitter_indirect_rgb;  // [texel]; empty without emitters
 };
+
+/// Fits one basis of at most options.most_rank maps to all rows of `transport`; `weight`: of a row in the sum that is kept (the area of a texel).
+BasisBlock fitWhole(const BlockTransport& transport, const std::vector<float>& weight, const EntryClusters& clusters, const WaveletIndex& wavelets,
+                    const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options);
 
 /// Traces the texels `slots` and fits their basis: of one block or, where more of their light stands out of the estimate's noise than most_rank maps can hold, of
 /// several. Depends on nothing but its arguments.

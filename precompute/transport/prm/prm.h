@@ -30,18 +30,28 @@ struct PrmPanes {
   std::vector<Rgb> irradiance_rgb;  // [cluster][texel], for unit irradiance at the cluster
 };
 
-/// Blocks of texels with their own basis maps, whose amounts come from the wavelets of direct light that matter to the block:
-///   irradiance(texel, channel) = Σ_k basis(texel, k) · scale(block, k, channel) · Σ_l coefficient(l, k, channel) · wavelet(link_wavelet[l], channel) / unit(link_wavelet[l])
-struct PrmLocalBases {
-  WaveletTree tree;                         // over the clusters of the entries
-  std::vector<uint8_t> wavelet_unit;        // waveletCount(clusters); codes of waveletUnit()
-  std::vector<uint32_t> block_first_texel;  // blocks + 1, into PrmResult::texel
+/// Blocks of values with their own basis maps, whose amounts come from the wavelets of direct light that matter to the block:
+///   value(i, channel) = Σ_k basis(i, k) · scale(block, k, channel) · Σ_l coefficient(l, k, channel) · wavelet(link_wavelet[l], channel) / unit(link_wavelet[l])
+struct PrmBlocks {
   std::vector<uint8_t> block_rank;          // blocks
-  std::vector<int8_t> basis;                // per block: [texel][rank]; in 1/127
+  std::vector<int8_t> basis;                // per block: [value][rank]; in 1/127
   std::vector<float> scale;                 // per block: [rank][3]
-  std::vector<uint32_t> block_first_link;   // blocks + 1, into link_wavelet
+  std::vector<uint32_t> block_first_link = {0};  // blocks + 1, into link_wavelet
   std::vector<uint32_t> link_wavelet;       // ascending within a block; one that needs more than a byte is linked several times
   std::vector<int8_t> coefficient;          // per block: [link][rank][3]
+};
+
+/// Blocks of texels, whose values are irradiance.
+struct PrmLocalBases : PrmBlocks {
+  WaveletTree tree;                         // over the clusters of the entries
+  std::vector<uint8_t> wavelet_unit;        // waveletCount(clusters); codes of waveletUnit()
+  std::vector<uint32_t> block_first_texel = {0};  // blocks + 1, into PrmResult::texel
+};
+
+/// A block for each point in the air: probe_basis.h says what its twelve values are.
+struct PrmProbes : PrmBlocks {
+  std::vector<Vec3> position;                            // internal units
+  std::vector<std::array<Rgb, 9>> emitter_radiance_sh;   // empty without emitters
 };
 
 struct PrmResult {
@@ -49,6 +59,7 @@ struct PrmResult {
   std::vector<uint32_t> texel;  // atlas texel of each value; for local bases grouped by block
   PrmPanes panes;               // empty unless this is the layout
   PrmLocalBases bases;          // empty unless this is the layout
+  PrmProbes probes;             // empty unless points were given; with local bases only
   std::vector<Rgb> emitter_direct_rgb, emitter_indirect_rgb;  // per texel; empty without emitters
 };
 

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "precompute/transport/radiosity/probe_rays.h"
+#include "precompute/transport/sphere_rays.h"
 #include "precompute/transport/radiosity/spherical_harmonics.h"
 
 namespace lightwell::transport {

@@ -8,7 +8,7 @@
 #include "precompute/core/error.h"
 #include "precompute/core/parallel.h"
 #include "precompute/core/random.h"
-#include "precompute/transport/radiosity/probe_rays.h"
+#include "precompute/transport/sphere_rays.h"
 
 namespace lightwell::transport {
 namespace {

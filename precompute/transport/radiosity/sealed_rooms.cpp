@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "precompute/transport/radiosity/probe_rays.h"
+#include "precompute/transport/sphere_rays.h"
 
 namespace lightwell::transport {
 namespace {

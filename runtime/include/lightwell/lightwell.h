@@ -110,7 +110,7 @@ typedef struct lw_reader {
   uint64_t file_bytes;
 } lw_reader;
 
-/* Opens a container: reads and checks header and directory, decodes nothing else.
+/* Opens a container: reads and checks header, directory and the scene's lights, no more.
  * Fails with LW_IO_ERROR to LW_INVALID_ARGUMENT except LW_BAD_SECTION, LW_NOT_FOUND. The bytes may be hostile.
  *
  * config: copied; its callbacks must stay callable until the container and everything loaded from it is released. NULL: LW_CONFIG_INIT.
@@ -218,6 +218,8 @@ typedef struct lw_alpha_material {
 
 /* LW_NOT_FOUND for an index beyond the last. Else fails as lw_decode_array does. */
 LW_API lw_result lw_get_alpha_material(const lw_container *container, uint32_t index, lw_alpha_material *material);
+/* The first `count` of them in one pass. LW_NOT_FOUND when there are fewer; else fails as lw_decode_array does. materials: [count]; NULL for none. */
+LW_API lw_result lw_get_alpha_materials(const lw_container *container, uint32_t count, lw_alpha_material *materials);
 
 /* Decodes uint8[height][width] of linear alpha, 255 = 1. `bytes` must be width * height. Fails as lw_decode_array does. */
 LW_API lw_result lw_decode_alpha_texture(const lw_container *container, uint32_t texture, void *destination, size_t bytes);

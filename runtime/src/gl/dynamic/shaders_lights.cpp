@@ -113,7 +113,7 @@ void main() {
   if (view >= (u_lamp[0].w < 0.5 ? 6 : 1) || texelFetch(u_position, at, 0).w < 0.5) return;
   vec3 flux = texelFetch(u_flux, at, 0).rgb;
   if (!(flux.r + flux.g + flux.b > 0.0)) return;
-  o_sum = min(vec4(flux, min(texelFetch(u_normal, at, 0).w, 1e12)) * lwLampPixelSize(vec2(at) + 0.5), vec4(1e24));
+  o_sum = min(vec4(flux, min(texelFetch(u_normal, at, 0).w, 1e24)) * lwLampPixelSize(vec2(at) + 0.5), vec4(1e24));
 }
 )";
 
