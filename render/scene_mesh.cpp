@@ -114,9 +114,12 @@ void SceneMesh::loadAlphaMaterials(const lw_container* container, const std::vec
   uint32_t count = 0;
   for (uint16_t material : triangle_alpha)
     if (material != kOpaque) count = std::max(count, uint32_t(material) + 1);
-  for (uint32_t i = 0; i < count; ++i) {
+  if (count == 0) return;
+  std::vector<lw_alpha_material> materials(count);
+  check(lw_get_alpha_materials(container, count, materials.data()), "the container's alpha materials");
+  for (const lw_alpha_material& values : materials) {
     AlphaMaterial& material = alpha_materials_.emplace_back();
-    check(lw_get_alpha_material(container, i, &material.values), "the container's alpha materials");
+    material.values = values;
     if (material.values.texture < 0) continue;
     std::vector<uint8_t> texels(size_t(material.values.texture_width) * material.values.texture_height);
     check(lw_decode_alpha_texture(container, uint32_t(material.values.texture), texels.data(), texels.size()), "an alpha texture");

@@ -101,7 +101,7 @@ void run(const Options& options) {
   const atlas::Atlas& atlas = context.atlas();
   const scene::Mesh& mesh = context.scene().mesh;
   const auto sides = transport::surfaceSides(atlas);
-  const auto clusters = transport::makeEntries(context.scene(), atlas, tracer, {}, settings.seed);
+  const auto clusters = transport::makeEntries(context.scene(), atlas, tracer, {}, {}, settings.seed);
   const transport::Gatherer gatherer(context.scene(), atlas, tracer, sides, clusters, settings.seed);
 
   std::vector<uint32_t> slots;

@@ -222,7 +222,7 @@ void Laboratory::evaluate(Opened& opened, const Rung& rung, Baked& baked, const 
   const auto add = [&](const std::vector<Rgb>& slot_rgb, const std::string& variant, const std::string& options, bool by_command = true) -> Evaluated& {
     std::string name = opened.name;
     for (const char c : variant) name += c == ' ' ? '_' : c;
-    Evaluated evaluated = compared(opened, slot_rgb, variant.empty() ? opened.name : opened.name + name.substr(opened.name.size()));
+    Evaluated evaluated = compared(opened, slot_rgb, name);
     evaluated.variant = variant;
     if (by_command)
       evaluated.command = "lightwell evaluate " + opened.file + " --technique " + baked.technique + " --component indirect" + opened.options + options + " -o " + evaluated.map;

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "cli/report/ledger.h"
+#include "cli/report/live.h"
 #include "cli/report/page.h"
 #include "cli/report/plots.h"
 #include "cli/report/rays.h"
-#include "cli/report/live.h"
 #include "cli/report/sky.h"
 #include "cli/report/time_box.h"
 #include "format/encode/atomic_file.h"

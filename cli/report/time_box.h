@@ -26,8 +26,6 @@ class TimeBox {
   TimeBox& operator=(const TimeBox&) = delete;
 
   const CancelFlag& flag() const { return flag_; }
-  /// The time was over, not the outer flag set.
-  bool ranOut() const { return flag_.cancelled() && !outer_.cancelled(); }
 
  private:
   void watch() {

@@ -53,29 +53,6 @@ bool parsePortal(std::string_view message, RadiosityPortal& portal) {
   return reader.ok() && (axis.complete() || axis.count == 0);
 }
 
-bool parseMeasuredError(std::string_view message, MeasuredError& error) {
-  WireReader reader(message);
-  while (reader.next()) switch (reader.field()) {
-      case 1: reader.read(error.section); break;
-      case 2: reader.read(error.relrmse.value); break;
-      case 3: reader.read(error.texrel.value); break;
-      case 4: reader.read(error.bias.value); break;
-      case 5: reader.read(error.against); break;
-      case 6: reader.read(error.relrmse.low); break;
-      case 7: reader.read(error.relrmse.high); break;
-      case 8: reader.read(error.texrel.low); break;
-      case 9: reader.read(error.texrel.high); break;
-      case 10: reader.read(error.bias.low); break;
-      case 11: reader.read(error.bias.high); break;
-      case 12: reader.read(error.maximum.value); break;
-      case 13: reader.read(error.maximum.low); break;
-      case 14: reader.read(error.maximum.high); break;
-      case 15: reader.read(error.texels); break;
-      case 16: reader.read(error.seconds); break;
-    }
-  return reader.ok();
-}
-
 }  // namespace
 
 bool parseAtlasHeader(const uint8_t* message, size_t bytes, AtlasHeader& header) {
@@ -193,16 +170,27 @@ bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& heade
   return reader.ok() && counts == first.count && (counts == 0 || counts == 3);
 }
 
-bool parseMetaErrors(const uint8_t* message, size_t bytes, std::string_view section, uint32_t index, MeasuredError& error, uint32_t& count) {
-  count = 0;
+bool parseMeasuredError(const uint8_t* message, size_t bytes, MeasuredError& error) {
+  error = {};
   WireReader reader(message, bytes);
-  while (reader.next()) {
-    if (reader.field() != 3) continue;
-    MeasuredError any;
-    if (!parseMeasuredError(reader.bytes(), any)) return false;
-    if (!section.empty() && any.section != section) continue;
-    if (count++ == index) error = any;
-  }
+  while (reader.next()) switch (reader.field()) {
+      case 1: reader.read(error.section); break;
+      case 2: reader.read(error.relrmse.value); break;
+      case 3: reader.read(error.texrel.value); break;
+      case 4: reader.read(error.bias.value); break;
+      case 5: reader.read(error.against); break;
+      case 6: reader.read(error.relrmse.low); break;
+      case 7: reader.read(error.relrmse.high); break;
+      case 8: reader.read(error.texrel.low); break;
+      case 9: reader.read(error.texrel.high); break;
+      case 10: reader.read(error.bias.low); break;
+      case 11: reader.read(error.bias.high); break;
+      case 12: reader.read(error.maximum.value); break;
+      case 13: reader.read(error.maximum.low); break;
+      case 14: reader.read(error.maximum.high); break;
+      case 15: reader.read(error.texels); break;
+      case 16: reader.read(error.seconds); break;
+    }
   return reader.ok();
 }
 

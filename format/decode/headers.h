@@ -106,11 +106,10 @@ bool parseLightmapHeader(const uint8_t* message, size_t bytes, LightmapHeader& h
 bool parseVplHeader(const uint8_t* message, size_t bytes, VplHeader& header);
 bool parsePointsHeader(const uint8_t* message, size_t bytes, PointsHeader& header);
 bool parseProbesHeader(const uint8_t* message, size_t bytes, ProbesHeader& header);
+/// One of a MetaHeader's errors (its field 3), whose text refers to `message`.
+bool parseMeasuredError(const uint8_t* message, size_t bytes, MeasuredError& error);
 /// `lights` receives the first `capacity` of them; it may be null when that is 0.
 bool parseSceneHeader(const uint8_t* message, size_t bytes, SceneHeader& header, Light* lights, size_t capacity);
-
-/// The errors of a MetaHeader, whose other fields are skipped: how many there are of `section` (empty: of all), and number `index` of these, untouched when there are fewer.
-bool parseMetaErrors(const uint8_t* message, size_t bytes, std::string_view section, uint32_t index, MeasuredError& error, uint32_t& count);
 
 /// The same for the names of materials and for portals.
 bool parseRadiosityHeader(const uint8_t* message, size_t bytes, RadiosityHeader& header, std::string_view* material_names, size_t material_capacity,

@@ -166,6 +166,11 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
     if (baker->blockCount() == 0 || baker->groupCount() == 0) {
       plan.prm = plan.prm_sky = plan.prm_probes = false;
       plan.omitted.push_back({"prm", "every texel lies inside or behind other surfaces"});
+    } else if (const transport::EntryClusters& entries = baker->clusters(); entries.merged_clusters > 0) {
+      constexpr uint64_t kBytesPerCluster = 43;  // decoded: entry, place in the tree, two wavelets
+      plan.omitted.push_back({"prm.unreached", "none of the lights that --moving-lights names reaches " + std::to_string(entries.merged_clusters) + " of " +
+                                                   std::to_string(entries.cluster_count + entries.merged_clusters) + " entry points, for which their neighbours stand",
+                              entries.merged_clusters * kBytesPerCluster});
     }
   }
   const transport::RadiositySettings radiosity_settings = radiositySettings(options.settings);

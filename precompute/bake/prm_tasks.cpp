@@ -15,9 +15,10 @@ namespace {
 constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 32, kProbesPerTask = 64;
 
 /// The clusters: all stages but the emitters' know the surfaces by them.
-Parameters entryParameters(const Key& scene, const transport::PrmSettings& s) {
+Parameters entryParameters(const Key& scene, const transport::PrmSettings& s, const SceneKeys& keys) {
   const transport::EntryOptions& e = s.entries;
-  return Parameters(scene).add(e.clusters, e.groups, e.points_per_cluster, e.points_per_group, e.denser_where_near, e.split_by_visibility, s.seed);
+  Parameters parameters = Parameters(scene).add(e.clusters, e.groups, e.points_per_cluster, e.points_per_group, e.denser_where_near, e.split_by_visibility, s.seed);
+  return transport::mergesUnreached(s) ? parameters.add(priorKey(s.prior, keys)) : parameters;
 }
 
 /// What was chosen by hand holds for every quality and refinement. A pane is that of a group.
@@ -67,6 +68,7 @@ transport::PrmSettings prmSettings(const plan::Settings& settings, const scene::
   transport::PrmSettings prm;
   prm.seed = settings.seed;
   prm.prior = lightPrior(settings, scene);
+  prm.merge_unreached = !settings.keep_all;
   switch (settings.quality) {
     case plan::Quality::draft:
       prm.entries.clusters = 4096, prm.entries.groups = 384;
@@ -108,10 +110,9 @@ Key priorKey(const transport::LightPrior& prior, const SceneKeys& keys) {
 std::shared_ptr<const transport::PrmBaker> makePrmBaker(const BakeContext& context, const transport::PrmSettings& settings, TaskRunner& tasks) {
   TaskGraph graph(productVersion());
   const TaskIndex entries =
-      graph.add({"prm/entries", "entries", "prm/entries", entryParameters(context.keys().geometry, settings).text(), {},
+      graph.add({"prm/entries", "entries", "prm/entries", entryParameters(context.keys().geometry, settings, context.keys()).text(), {},
                  double(settings.entries.clusters), [&](const TaskInputs& in) {
-                   return transport::toBytes(transport::makeEntries(context.scene(), context.atlas(), *context.tracer(), settings.entries,
-                                                                    settings.seed, context.threads(), &in.cancel));
+                   return transport::toBytes(transport::makePrmEntries(context.scene(), context.atlas(), *context.tracer(), settings, context.threads(), &in.cancel));
                  }});
   const auto results = tasks.prepare(graph, std::array{entries});
   return std::make_shared<transport::PrmBaker>(context.scene(), context.atlas(), *context.tracer(), settings,
@@ -124,11 +125,11 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
   const SceneKeys& keys = context.keys();
   const transport::LocalBasesOptions& bases = settings.bases;
   const double entries = settings.entries.clusters * double(settings.entries.points_per_cluster);
-  const auto bounces = addRange(graph, "prm", "bounces", entryParameters(keys.reflection, settings).add(settings.cluster_rays), baker->groupCount(),
+  const auto bounces = addRange(graph, "prm", "bounces", entryParameters(keys.reflection, settings, keys).add(settings.cluster_rays), baker->groupCount(),
                                 kGroupsPerTask, settings.cluster_rays, {},
                                 [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->oneBounce(first, end); });
   // A training light does not depend on their number: more of them are made from those that there are.
-  const auto training = addRange(graph, "prm", "training", entryParameters(keys.geometry, settings).add(priorKey(settings.prior, keys)), baker->trainingLightCount(), kLightsPerTask, entries, {},
+  const auto training = addRange(graph, "prm", "training", entryParameters(keys.geometry, settings, keys).add(priorKey(settings.prior, keys)), baker->trainingLightCount(), kLightsPerTask, entries, {},
                                  [baker](uint32_t first, uint32_t end, const TaskInputs&) { return baker->trainingDirect(first, end); });
   if (baker->hasEmitters())
     tasks.emitter = addRange(graph, "prm", "emitters", Parameters(keys.emission).add(settings.emitter_samples, bases.rays, settings.seed), baker->sideCount(),
@@ -140,13 +141,13 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
   solve_inputs.insert(solve_inputs.end(), tasks.emitter.begin(), tasks.emitter.end());
   const double groups = baker->groupCount();
   const TaskIndex solve = graph.add(
-      {"prm/solve", "solve", "prm/solve", entryParameters(keys.geometry, settings).text(), solve_inputs,
+      {"prm/solve", "solve", "prm/solve", entryParameters(keys.geometry, settings, keys).text(), solve_inputs,
        std::max(1.0, groups * groups * groups * 1e-3), [baker, bounces = bounces.size(), training = training.size()](const TaskInputs& in) {
          const auto views = viewsOf(in.inputs);
          const std::span<const ByteView> all(views);
          return baker->solve(all.first(bounces), all.subspan(bounces, training), all.subspan(bounces + training));
        }});
-  const Parameters fit = entryParameters(keys.reflection, settings)
+  const Parameters fit = entryParameters(keys.reflection, settings, keys)
                              .add(settings.layout, settings.estimator, settings.walks_per_entry, bases.block_texels, bases.least_texels, bases.most_rank,
                                   bases.rank_error, bases.wavelet_step, bases.rays);
   tasks.blocks = addRange(graph, "prm", "fit", fit, baker->blockCount(), kBlocksPerTask, 4.0 * bases.block_texels * bases.rays, {solve},

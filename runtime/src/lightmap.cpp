@@ -15,14 +15,12 @@ using format::ElementType;
 constexpr const char* kSection = "lightmap";
 
 lw_result load(const lw_container& container, lw_lightmap& map) {
-  const format::ChunkInfo* chunk = nullptr;
-  if (const lw_result result = findChunk(container, kSection, "header", chunk)) return result;
-  if (chunk->element != ElementType::bytes) return badSection(container, *chunk, "it is not a message");
-  Array<uint8_t> message;
-  if (const lw_result result = decodeChunk(container, *chunk, message)) return result;
-  if (!format::parseLightmapHeader(message.data(), message.size(), map.header)) return badSection(container, *chunk, "it is not a valid message");
-  if (map.header.texels == 0) return badSection(container, *chunk, "it has no texels");
-  if (!(map.header.unit >= 0x1p-126f && map.header.unit <= 0x1p126f)) return badSection(container, *chunk, "its unit is out of range");
+  if (const lw_result result = readHeader(container, kSection, [&](const Array<uint8_t>& message) {
+        return format::parseLightmapHeader(message.data(), message.size(), map.header);
+      }))
+    return result;
+  if (map.header.texels == 0) return container.host.fail(LW_BAD_SECTION, "lightmap/header: it has no texels");
+  if (!(map.header.unit >= 0x1p-126f && map.header.unit <= 0x1p126f)) return container.host.fail(LW_BAD_SECTION, "lightmap/header: its unit is out of range");
 
   format::AtlasHeader atlas;
   if (const lw_result result = readAtlasHeader(container, atlas)) return result;

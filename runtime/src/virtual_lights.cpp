@@ -24,14 +24,12 @@ Float3 areaVector(const float* vertices, uint32_t count) {
 }
 
 lw_result load(const lw_container& container, lw_virtual_lights& lights) {
-  const format::ChunkInfo* chunk = nullptr;
-  if (const lw_result result = findChunk(container, kSection, "header", ElementType::bytes, chunk)) return result;
-  Array<uint8_t> message;
-  if (const lw_result result = decodeChunk(container, *chunk, message)) return result;
-  if (!format::parseVplHeader(message.data(), message.size(), lights.header))
-    return badSection(container, *chunk, "it is not a valid message");
+  if (const lw_result result = readHeader(container, kSection, [&](const Array<uint8_t>& message) {
+        return format::parseVplHeader(message.data(), message.size(), lights.header);
+      }))
+    return result;
   const uint64_t n = lights.header.lights, v = lights.header.vertices;
-  if (n == 0) return badSection(container, *chunk, "it has no lights");
+  if (n == 0) return container.host.fail(LW_BAD_SECTION, "vpl/header: it has no lights");
   const auto floats = [&](const char* name, uint64_t count, Array<float>& values) -> lw_result {
     if (const lw_result result = decodeChunk(container, kSection, name, ElementType::f32, count, values)) return result;
     return allFinite(values.data(), values.size()) ? LW_OK : container.host.fail(LW_BAD_SECTION, "vpl/%s: a value is not finite", name);

@@ -2,7 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
+#include "precompute/core/error.h"
+#include "precompute/plan/light_paths.h"
 #include "precompute/plan/plan.h"
+#include "precompute/plan/probe_points.h"
+#include "tests/support/temporary_folder.h"
 
 namespace lightwell::plan {
 namespace {
@@ -218,6 +224,40 @@ TEST(Settings, JsonIsChecked) {
                           R"({"sky_face_cells":257})", R"({"environment_intensity":-1})", R"({"environment_rotation_deg":361})",
                           R"({"environment_ground":[1,2]})", R"({"environment_ground":[1,2,-3]})"})
     EXPECT_THROW(settingsFromJson(bad), UsageError) << bad;
+}
+
+/// A list of so many points at the origin, as JSON.
+std::string origins(size_t count) {
+  std::string list = "[";
+  for (size_t i = 0; i < count; ++i) list += i ? ",[0,0,0]" : "[0,0,0]";
+  return list + "]";
+}
+
+TEST(Plan, FilesAndSettingsNameNoMorePointsThanTheLimits) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "points.json";
+  const auto refused = [&](auto read, const std::string& text) -> std::string {
+    std::ofstream(file) << text;
+    try {
+      read(file);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refused(readProbePoints, R"({"probes":)" + origins(65536) + "}"), "");
+  EXPECT_THAT(refused(readProbePoints, R"({"probes":)" + origins(65537) + "}"), testing::HasSubstr("has 65537 points; 1 to 65536 can be baked"));
+  EXPECT_EQ(refused(readLightPaths, R"({"paths":[)" + origins(65535) + "," + origins(1) + "]}"), "");
+  EXPECT_THAT(refused(readLightPaths, R"({"paths":[)" + origins(65536) + "," + origins(1) + "]}"), testing::HasSubstr("have 65537 points together"));
+  Settings settings;
+  settings.probe_points_m.resize(65536);
+  settings.light_paths_m = {std::vector<std::array<double, 3>>(65536)};
+  EXPECT_NO_THROW(settingsFromJson(canonicalJson(settings)));
+  Settings probes = settings, paths = settings;
+  probes.probe_points_m.emplace_back();
+  paths.light_paths_m.emplace_back(1);
+  EXPECT_THROW(settingsFromJson(canonicalJson(probes)), UsageError);
+  EXPECT_THROW(settingsFromJson(canonicalJson(paths)), UsageError);
 }
 
 }  // namespace

@@ -190,6 +190,10 @@ TEST_F(CliEnvironmentTest, BadMapsAndQueriesAreRejected) {
     writeFile(path("q.json"), text);
     expectFailure({"environment", out, "--queries", path("q.json")}, 3, place);
   }
+  std::string many = R"({"queries":[0)";
+  for (int i = 0; i < 1 << 20; ++i) many += ",0";
+  writeFile(path("q.json"), many + "]}");
+  expectFailure({"environment", out, "--queries", path("q.json")}, 3, "has more than 1048576 queries");
   writeFile(path("q.json"), std::string(100000, '['));
   expectFailure({"environment", out, "--queries", path("q.json")}, 3, "q.json");
 }

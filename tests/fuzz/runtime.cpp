@@ -231,8 +231,11 @@ class Walk {
   void errors() {
     uint32_t count = 0;
     if (!done(lw_count_measured_errors(container_, nullptr, &count))) return;
+    std::vector<lw_measured_error> all(std::min(count, 100u));
+    const bool sound = done(lw_get_measured_errors(container_, nullptr, uint32_t(all.size()), all.data()));
     lw_measured_error error;
-    for (uint32_t i = 0; i < std::min(count, 100u); ++i) done(lw_get_measured_error(container_, nullptr, i, &error));
+    for (size_t i = 0; i < all.size(); ++i)
+      if (done(lw_get_measured_error(container_, nullptr, uint32_t(i), &error)) && sound) require(error.relrmse.value == all[i].relrmse.value, "one error or all");
   }
   const lw_container* container_;
   const Host& host_;

@@ -72,6 +72,15 @@ TEST(MeasuredErrors, AreReadAsTheyWereWritten) {
     EXPECT_EQ(lw_get_measured_error(container.get(), "environment", 1, &error), LW_NOT_FOUND);
     EXPECT_NE(host.message.find("environment"), std::string::npos);
     EXPECT_EQ(lw_get_measured_error(nullptr, nullptr, 0, &error), LW_INVALID_ARGUMENT);
+    lw_measured_error all[3];
+    ASSERT_EQ(lw_get_measured_errors(container.get(), nullptr, 2, all), LW_OK);
+    EXPECT_EQ(all[0].relrmse.value, 0.03);
+    EXPECT_EQ(all[1].relrmse.value, 0.01);
+    EXPECT_EQ(lw_get_measured_errors(container.get(), "environment", 1, all), LW_OK);
+    EXPECT_STREQ(all[0].section, "environment");
+    EXPECT_EQ(lw_get_measured_errors(container.get(), "environment", 0, nullptr), LW_OK);
+    EXPECT_EQ(lw_get_measured_errors(container.get(), nullptr, 3, all), LW_NOT_FOUND);
+    EXPECT_EQ(lw_get_measured_errors(container.get(), nullptr, 1, nullptr), LW_INVALID_ARGUMENT);
     EXPECT_EQ(lw_count_measured_errors(container.get(), nullptr, nullptr), LW_INVALID_ARGUMENT);
   }
   EXPECT_EQ(host.live, 0u);
@@ -99,6 +108,7 @@ TEST(MeasuredErrors, NumbersThatCannotBeAreRefused) {
     const auto bytes = containerOf(meta);
     const Container container = openMemory(bytes);
     lw_measured_error error{};
+    EXPECT_EQ(lw_get_measured_errors(container.get(), nullptr, 2, std::array<lw_measured_error, 2>{}.data()), LW_BAD_SECTION);
     EXPECT_EQ(lw_get_measured_error(container.get(), "prm", 0, &error), LW_BAD_SECTION) << meta.errors(0).ShortDebugString();
   }
   // A message cut anywhere: an error, or fewer fields; never a crash.

@@ -82,11 +82,12 @@ class AgainstDouble : public testing::TestWithParam<double> {};
 
 TEST_P(AgainstDouble, AgreesWithElimination) {
   LoadedRoom room(colouredRoom(GetParam()));
+  const std::vector<Wall> walls = colouredRoom(GetParam()).walls;
   const uint32_t patches = room.info.patches;
   std::vector<float> direct(size_t(patches) * 3);
   std::vector<double> albedo, exact_direct, emission;
   for (uint32_t i = 0; i < patches; ++i) {
-    const Wall& wall = colouredRoom(GetParam()).walls[room.room.wall_of_patch[i]];
+    const Wall& wall = walls[room.room.wall_of_patch[i]];
     direct[i * 3] = i % 7 == 0 ? 3.0f : 0.0f;
     albedo.push_back(double(float(wall.albedo))), emission.push_back(wall.emission), exact_direct.push_back(double(direct[i * 3]));
   }

@@ -217,10 +217,28 @@ TEST_F(Materials, DamagedAndForeignPicturesAreNamed) {
   cut.resize(30);
   EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, cut)), HasSubstr("images[0]: is a damaged picture"));
   EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, {'B', 'M', 0, 0})), HasSubstr("images[0]: is neither PNG nor JPEG nor WebP"));
-  std::vector<uint8_t> huge = png();  // the header claims 2^31 − 1 columns
-  huge[16] = 0x7F;
-  huge[17] = huge[18] = huge[19] = 0xFF;
-  EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, huge)), HasSubstr("images[0]: "));
+}
+
+/// A PNG file of nothing but a header, which claims so many columns and rows.
+std::vector<uint8_t> claim(uint32_t columns, uint32_t rows) {
+  std::vector<uint8_t> bytes = png();
+  for (int i = 0; i < 4; ++i) bytes[size_t(16 + i)] = uint8_t(columns >> (24 - 8 * i)), bytes[size_t(20 + i)] = uint8_t(rows >> (24 - 8 * i));
+  bytes.resize(33);
+  return bytes;
+}
+
+TEST_F(Materials, PicturesHaveALimitBeforeTheyAreDecoded) {
+  EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, claim(16384, 16384))), HasSubstr("is a damaged picture")) << "as large as can be, but nothing of it there";
+  EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, claim(16385, 1))), HasSubstr("images[0]: has 16385 x 1 pixels; a side may have 16384"));
+  EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, claim(0x7FFFFFFF, 2))), HasSubstr("images[0]: "));
+  // Together they may have as many as the largest alone.
+  Json both = kTextured;
+  both["emissiveTexture"] = {{"index", 1}};
+  both["emissiveFactor"] = {1, 1, 1};
+  GltfBuilder b = surfaceAt(both, 0, 0, png());
+  b.add("images", {{"bufferView", b.view(claim(16384, 16384))}, {"mimeType", "image/png"}});
+  b.add("textures", {{"source", 1}});
+  EXPECT_THAT(errorOf(b), HasSubstr("images[1]: has 16384 x 16384 pixels; a side may have 16384, and all pictures together 268435456, of which 268435452 are left"));
 }
 
 }  // namespace

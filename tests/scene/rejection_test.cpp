@@ -153,11 +153,15 @@ TEST_F(Rejection, InstancesWithoutEnd) {
   EXPECT_THAT(errorOf(b), HasSubstr("EXT_mesh_gpu_instancing.attributes: has more instances than the limit"));
 }
 
-/// Limits of SECURITY.md, each passed by little: nothing of that size is read or allocated.
+/// Limits of SECURITY.md, each passed by little: nothing of that size is allocated, but for JSON in a file of its own.
 TEST_F(Rejection, FilesAndScenesBeyondTheLimits) {
   writeBytes(folder / "long.glb", "glTF");
   std::filesystem::resize_file(folder / "long.glb", (4ull << 30) + 1);  // a hole
   EXPECT_THAT(errorOfFile(folder / "long.glb"), HasSubstr("more than the limit of 4294967296"));
+  writeBytes(folder / "long.gltf", "{");
+  std::filesystem::resize_file(folder / "long.gltf", 256ull << 20);
+  std::ofstream(folder / "long.gltf", std::ios::app) << '}';  // zeros at the end of a file are none of its JSON
+  EXPECT_THAT(errorOfFile(folder / "long.gltf"), HasSubstr("holds more than 268435456 bytes of JSON"));
   GltfBuilder b;
   const size_t many = b.add("accessors", {{"count", 3'000'000}, {"type", "VEC3"}, {"componentType", 5126}});
   b.show({{"attributes", {{"POSITION", many}}}});

@@ -12,6 +12,7 @@
 #include "lightwell/v1/service.grpc.pb.h"
 #include "server/store/sha256.h"
 #include "tests/server/service_fixture.h"
+#include "tests/support/sanitizer.h"
 
 namespace lightwell::test {
 namespace {
@@ -231,7 +232,7 @@ TEST_F(ServiceAbuse, IdleWatches) {
   EXPECT_EQ(heard, count);
   const double each = double(daemon_->residentBytes() - std::min(before, daemon_->residentBytes())) / count;
   std::printf("%d idle watches, %.1f kB of the daemon's memory each\n", count, each / 1000);
-  EXPECT_LT(each, 100e3);
+  EXPECT_LT(each, kSanitized ? 400e3 : 100e3);
   expectAlive();
   // All of them hear of the end.
   for (auto& watch : watches) watch->reader->Read(&watch->job, watch.get());

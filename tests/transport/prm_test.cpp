@@ -55,11 +55,46 @@ scene::Scene roomWithBox(float albedo) {
   return builder.take();
 }
 
+/// Light of the scene's only lamp on all surfaces together, internal units² of irradiance.
+double lampLight(const Prepared& p, const EntryClusters& clusters) {
+  PrmEntries entries = clusters.entries;  // of fine clusters alone
+  entries.cluster_first_entry.resize(clusters.cluster_count + 1);
+  double sum = 0;
+  const auto irradiance_rgb = clusterIrradiance(entries, *p.tracer, p.scene.lights.front());
+  for (uint32_t c = 0; c < clusters.cluster_count; ++c) sum += double(clusters.area[c]) * double(irradiance_rgb[c].x);
+  return sum;
+}
+
 /// A map over all texels from values in the order of `texel`.
 ImageRgba imageOf(const atlas::Atlas& atlas, const std::vector<uint32_t>& texel, const std::vector<Rgb>& value_rgb) {
   ImageRgba image{atlas.width, atlas.height, std::vector<std::array<float, 4>>(size_t(atlas.width) * size_t(atlas.height))};
   for (size_t i = 0; i < texel.size(); ++i) image.pixels[texel[i]] = {value_rgb[i].x, value_rgb[i].y, value_rgb[i].z, 1.0f};
   return image;
+}
+
+TEST(PrmEntryPoints, AreFewWhereNoLampReaches) {
+  scene::Scene scene = roomWithBox(0.5f);
+  scene::Light lamp;
+  lamp.position = Vec3(-0.5f, -0.6f, 0);  // low over the shelf: the floor and the walls below lie in the dark
+  lamp.intensity = Rgb(10.0f);
+  scene.lights = {lamp};
+  const Prepared p(std::move(scene));
+  PrmSettings settings = smallSettings(PrmLayoutKind::local_bases);
+  settings.prior.places = LightPrior::Places::lamps;
+  const EntryClusters merged = makePrmEntries(p.scene, p.atlas, *p.tracer, settings);
+  settings.merge_unreached = false;
+  const EntryClusters all = makePrmEntries(p.scene, p.atlas, *p.tracer, settings);
+  EXPECT_EQ(all.merged_clusters, 0u);
+  EXPECT_EQ(merged.cluster_count + merged.merged_clusters, all.cluster_count);
+  EXPECT_GT(merged.merged_clusters, all.cluster_count / 5);
+  EXPECT_EQ(merged.entries.clusterCount(), merged.cluster_count + merged.group_count);
+  EXPECT_EQ(merged.group_count, all.group_count);
+  EXPECT_NEAR(std::accumulate(merged.area.begin(), merged.area.begin() + merged.cluster_count, 0.0), std::accumulate(all.area.begin(), all.area.begin() + all.cluster_count, 0.0), 1e-3);
+  EXPECT_GT(lampLight(p, all), 0);
+  EXPECT_NEAR(lampLight(p, merged), lampLight(p, all), 1e-5 * lampLight(p, all)) << "what is lit stays as it is, and what stands for the dark is dark";
+  settings.merge_unreached = true;
+  settings.prior.places = LightPrior::Places::anywhere;
+  EXPECT_EQ(makePrmEntries(p.scene, p.atlas, *p.tracer, settings).merged_clusters, 0u) << "light may come everywhere";
 }
 
 TEST(PrmFurnace, UnitLightEverywhereInAClosedRoomGivesTheGeometricSeries) {

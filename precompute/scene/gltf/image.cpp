@@ -14,7 +14,7 @@
 #define STBI_ONLY_JPEG
 #define STBI_NO_STDIO
 #define STBI_FAILURE_USERMSG
-#define STBI_MAX_DIMENSIONS 16384
+#define STBI_MAX_DIMENSIONS 0x7fffffff  // ours is kMaxTextureSide, with a reason
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #include <stb/stb_image.h>
@@ -33,7 +33,8 @@ bool isWebp(std::span<const uint8_t> bytes) {
 bool sizeAllowed(int width, int height, uint64_t max_pixels, std::string& reason) {
   if (width > 0 && height > 0 && width <= kMaxTextureSide && height <= kMaxTextureSide && uint64_t(width) * uint64_t(height) <= max_pixels)
     return true;
-  reason = "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels, more than the limit";
+  reason = "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; a side may have " + std::to_string(kMaxTextureSide) + ", and all pictures together " +
+           std::to_string(kMaxTexturePixels) + ", of which " + std::to_string(max_pixels) + " are left";
   return false;
 }
 

@@ -15,7 +15,8 @@ namespace {
 constexpr float kBlockNormalExtent = 0.5f;
 // An object is lit by a probe or two: no neighbours' errors even theirs out, as texels' do.
 constexpr float kProbeRankShare = 0.25f, kProbeStepShare = 0.5f;
-constexpr uint64_t kTrainingSeed = 0x7ea1717e5ull;  // apart from the seeds that errors are measured with
+constexpr uint64_t kTrainingSeed = 0x7ea1717e5ull, kReachSeed = 0x4eac4ull;  // apart from the seeds that errors are measured with
+constexpr uint32_t kReachLights = 512;
 
 void writeMatrix(ByteWriter& writer, const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& matrix) {
   writer.array(std::span<const float>(matrix.data(), size_t(matrix.size())));
@@ -158,14 +159,27 @@ struct PrmBaker::Impl {
   }
 };
 
+bool mergesUnreached(const PrmSettings& settings) {
+  return settings.merge_unreached && settings.layout == PrmLayoutKind::local_bases && settings.prior.places != LightPrior::Places::anywhere;
+}
+
+EntryClusters makePrmEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings, int threads,
+                             const CancelFlag* cancel) {
+  std::vector<PriorLight> lights;
+  if (mergesUnreached(settings))
+    lights = samplePriorLights(scene, atlas, tracer, settings.prior, std::max(kReachLights, uint32_t(scene.lights.size())), combineKeys(settings.seed, kReachSeed));
+  return makeEntries(scene, atlas, tracer, settings.entries, lights, settings.seed, threads, cancel);
+}
+
 PrmBaker::PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings)
-    : PrmBaker(scene, atlas, tracer, settings, makeEntries(scene, atlas, tracer, settings.entries, settings.seed)) {}
+    : PrmBaker(scene, atlas, tracer, settings, makePrmEntries(scene, atlas, tracer, settings)) {}
 PrmBaker::PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings,
                    EntryClusters clusters)
     : impl_(std::make_unique<Impl>(scene, atlas, tracer, settings, std::move(clusters))) {}
 PrmBaker::~PrmBaker() = default;
 
 uint32_t PrmBaker::groupCount() const { return impl_->clusters.group_count; }
+const EntryClusters& PrmBaker::clusters() const { return impl_->clusters; }
 uint32_t PrmBaker::trainingLightCount() const { return uint32_t(impl_->training_lights.size()); }
 uint32_t PrmBaker::sideCount() const { return uint32_t(impl_->sides.slot.size()); }
 uint32_t PrmBaker::blockCount() const { return impl_->blocks.count(); }

@@ -26,6 +26,7 @@ struct PrmSettings {
   uint32_t cluster_rays = 256;      // per fine cluster, for all bounces but the last
   uint32_t training_lights = 512;   // local bases only
   LightPrior prior;                 // local bases only: where these are
+  bool merge_unreached = true;      // local bases only: clusters that no such light reaches are one where they are neighbours
   uint32_t emitter_samples = 64;    // per texel
   std::vector<Vec3> probes;         // points in the air, internal units; local bases only
   uint32_t probe_rays = 8192;       // from each
@@ -33,16 +34,24 @@ struct PrmSettings {
   uint64_t seed = 1;
 };
 
+/// Whether light may be missing on some surfaces for good: not where lights may be anywhere.
+bool mergesUnreached(const PrmSettings& settings);
+
+/// Clusters of entry points for these settings. `threads`: 0 for all of the machine; the result does not depend on it. Throws Cancelled; `cancel` may be null.
+EntryClusters makePrmEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings, int threads = 0,
+                             const CancelFlag* cancel = nullptr);
+
 class PrmBaker {
  public:
   /// `scene`, `atlas` and `tracer` must outlive the baker.
   PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings);
-  /// The same with the clusters that makeEntries() gives for these settings.
+  /// The same with the clusters that makePrmEntries() gives for these settings.
   PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings,
            EntryClusters clusters);
   ~PrmBaker();
 
   uint32_t groupCount() const;
+  const EntryClusters& clusters() const;
   uint32_t trainingLightCount() const;  // 0 for panes
   uint32_t sideCount() const;
   uint32_t blockCount() const;

@@ -5,11 +5,13 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "precompute/core/parallel.h"
 #include "precompute/transport/exposure.h"
 #include "precompute/transport/side_rays.h"
 #include "precompute/transport/prm/gather.h"
+#include "precompute/transport/prm/unreached.h"
 
 namespace lightwell::transport {
 namespace {
@@ -380,10 +382,11 @@ ClusterList splitByVisibility(const scene::Scene& scene, const atlas::Atlas& atl
   return list;
 }
 
-/// Puts groups, and the clusters within each, in the order of a tree that keeps near what is near and alike in orientation, and gives the tree.
+/// Puts groups, and the clusters within each, in the order of a tree that keeps near what is near and alike in orientation, and gives the tree. Where all clusters under a node of
+/// one group are `unreached`, they become one.
 class TreeOrder {
  public:
-  TreeOrder(const atlas::Atlas& atlas, const Sides& sides, const EntryClusters& clusters) : clusters_(clusters) {
+  TreeOrder(const atlas::Atlas& atlas, const Sides& sides, const EntryClusters& clusters, std::span<const char> unreached) : clusters_(clusters), unreached_(unreached) {
     std::vector<Item> group_items(clusters.group_count);
     items_.resize(clusters.cluster_count);
     double area = 0;
@@ -408,6 +411,7 @@ class TreeOrder {
   }
   ClusterList list;
   WaveletTree tree;
+  uint32_t merged = 0;
 
  private:
   struct Item {
@@ -416,11 +420,19 @@ class TreeOrder {
   };
 
   double build(std::span<Item> items, bool of_groups) {
-    if (items.size() == 1) {
-      if (!of_groups) {
-        list.append(clusters_.sidesOf(items[0].index), group_);
-        return clusters_.area[items[0].index];
+    if (!of_groups && (items.size() == 1 || std::all_of(items.begin(), items.end(), [&](const Item& item) { return unreached_[item.index]; }))) {
+      std::vector<uint32_t> sides;
+      double area = 0;
+      for (const Item& item : items) {
+        const auto more = clusters_.sidesOf(item.index);
+        sides.insert(sides.end(), more.begin(), more.end());
+        area += clusters_.area[item.index];
       }
+      list.append(sides, group_);
+      merged += uint32_t(items.size() - 1);
+      return area;
+    }
+    if (items.size() == 1) {
       group_ = next_group_++;
       const uint32_t first = clusters_.group_first_cluster[items[0].index], end = clusters_.group_first_cluster[items[0].index + 1];
       return build(std::span(items_).subspan(first, end - first), false);
@@ -452,15 +464,35 @@ class TreeOrder {
   }
 
   const EntryClusters& clusters_;
+  const std::span<const char> unreached_;
   std::vector<Item> items_;
   float length_per_normal_ = 0;
   uint32_t group_ = 0, next_group_ = 0;
 };
 
+/// Moves the entries of merged clusters to the nearest of the places that light was seen not to reach: beside them it may.
+void keepInTheDark(const EntryClusters& single, std::span<const char> unreached, EntryClusters& merged) {
+  for (uint32_t c = 0; c < merged.cluster_count; ++c) {
+    if (!unreached[single.cluster_of_side[merged.sidesOf(c).front()]]) continue;
+    for (uint32_t i = merged.entries.cluster_first_entry[c]; i < merged.entries.cluster_first_entry[c + 1]; ++i) {
+      const Vec3 position = merged.entries.position[i];
+      float distance2 = std::numeric_limits<float>::infinity();
+      for (const uint32_t side : merged.sidesOf(c)) {
+        const uint32_t from = single.cluster_of_side[side];
+        for (uint32_t k = single.entries.cluster_first_entry[from]; k < single.entries.cluster_first_entry[from + 1]; ++k) {
+          if ((single.entries.position[k] - position).length2() >= distance2) continue;
+          distance2 = (single.entries.position[k] - position).length2();
+          merged.entries.position[i] = single.entries.position[k], merged.entries.normal[i] = single.entries.normal[k];
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const EntryOptions& options,
-                          uint64_t seed, int threads, const CancelFlag* cancel) {
+                          std::span<const PriorLight> likely_lights, uint64_t seed, int threads, const CancelFlag* cancel) {
   const Sides sides = surfaceSides(atlas);
   const std::vector<float> exposed = exposedShare(scene, atlas, tracer, sides, seed, threads, cancel);
   const std::vector<float> spacing = options.denser_where_near ? entrySpacing(scene, atlas, tracer, sides, seed, threads, cancel)
@@ -468,18 +500,29 @@ EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, 
   EntryClusters result = numberClusters(atlas, sides, exposed, partitionSides(atlas, sides, exposed, spacing, options));
   if (options.split_by_visibility)
     result = numberClusters(atlas, sides, exposed, splitByVisibility(scene, atlas, tracer, sides, result, seed, threads, cancel));
-  TreeOrder ordered(atlas, sides, result);
-  result = numberClusters(atlas, sides, exposed, std::move(ordered.list));
+  const auto entriesOf = [&](const EntryClusters& clusters) {
+    PrmEntries entries;
+    entries.cluster_first_entry.push_back(0);
+    for (uint32_t c = 0; c < clusters.cluster_count; ++c) appendEntries(scene.mesh, atlas, sides, exposed, clusters.sidesOf(c), options.points_per_cluster, entries);
+    return entries;
+  };
+  std::vector<char> unreached(result.cluster_count, 0);
+  if (!likely_lights.empty()) {
+    result.entries = entriesOf(result);
+    unreached = unreachedClusters(result.entries, tracer, likely_lights, threads, cancel);
+  }
+  TreeOrder ordered(atlas, sides, result, unreached);
+  const EntryClusters single = std::exchange(result, numberClusters(atlas, sides, exposed, std::move(ordered.list)));
   result.tree = std::move(ordered.tree);
-  result.entries.cluster_first_entry.push_back(0);
-  const auto append = [&](std::span<const uint32_t> of, uint32_t points) { appendEntries(scene.mesh, atlas, sides, exposed, of, points, result.entries); };
-  for (uint32_t c = 0; c < result.cluster_count; ++c) append(result.sidesOf(c), options.points_per_cluster);
-  for (uint32_t g = 0; g < result.group_count; ++g) append(result.sidesOfGroup(g), options.points_per_group);
+  result.merged_clusters = ordered.merged;
+  result.entries = entriesOf(result);
+  if (ordered.merged > 0) keepInTheDark(single, unreached, result);
+  for (uint32_t g = 0; g < result.group_count; ++g) appendEntries(scene.mesh, atlas, sides, exposed, result.sidesOfGroup(g), options.points_per_group, result.entries);
   return result;
 }
 
 Bytes toBytes(const EntryClusters& clusters) {
-  const std::array counts{clusters.cluster_count, clusters.group_count};
+  const std::array counts{clusters.cluster_count, clusters.group_count, clusters.merged_clusters};
   ByteWriter writer;
   writer.array(std::span<const uint32_t>(counts));
   for (const auto* indices : {&clusters.cluster_of_side, &clusters.group_of_cluster, &clusters.cluster_first_side, &clusters.cluster_side,
@@ -500,8 +543,8 @@ EntryClusters readEntries(ByteView bytes) {
   EntryClusters clusters;
   ByteReader reader(bytes);
   const auto counts = reader.array<uint32_t>();
-  if (counts.size() != 2) throw std::runtime_error("a task result is damaged");
-  clusters.cluster_count = counts[0], clusters.group_count = counts[1];
+  if (counts.size() != 3) throw std::runtime_error("a task result is damaged");
+  clusters.cluster_count = counts[0], clusters.group_count = counts[1], clusters.merged_clusters = counts[2];
   for (auto* indices : {&clusters.cluster_of_side, &clusters.group_of_cluster, &clusters.cluster_first_side, &clusters.cluster_side,
                         &clusters.group_first_cluster, &clusters.entries.cluster_first_entry, &clusters.tree.first_leaves})
     *indices = reader.array<uint32_t>();

@@ -5,6 +5,7 @@
 #include "precompute/core/bytes.h"
 #include "precompute/core/diagnostics.h"
 #include "precompute/trace/tracer.h"
+#include "precompute/transport/prm/light_prior.h"
 #include "precompute/transport/prm/partition.h"
 #include "precompute/transport/prm/prm.h"
 #include "precompute/transport/sides.h"
@@ -32,6 +33,7 @@ struct EntryClusters {
   std::vector<uint32_t> cluster_first_side, cluster_side;  // the sides of each fine cluster
   std::vector<uint32_t> group_first_cluster;               // the fine clusters of each group are consecutive
   PrmEntries entries;
+  uint32_t merged_clusters = 0;           // that there would be if light reached them
 
   std::span<const uint32_t> sidesOf(uint32_t cluster) const { return sidesBetween(cluster, cluster + 1); }
   std::span<const uint32_t> sidesOfGroup(uint32_t group) const { return sidesBetween(group_first_cluster[group], group_first_cluster[group + 1]); }
@@ -43,9 +45,10 @@ struct EntryClusters {
   }
 };
 
-/// `threads`: 0 for all of the machine; the result does not depend on it. Throws Cancelled; `cancel` may be null.
+/// `likely_lights`: fine clusters that are neighbours and that none of them reaches are one; none: all stay. `threads`: 0 for all of the machine; the result does not depend on it.
+/// Throws Cancelled; `cancel` may be null.
 EntryClusters makeEntries(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const EntryOptions& options,
-                          uint64_t seed, int threads = 0, const CancelFlag* cancel = nullptr);
+                          std::span<const PriorLight> likely_lights, uint64_t seed, int threads = 0, const CancelFlag* cancel = nullptr);
 
 /// As a task's result. readEntries throws std::runtime_error for bytes that are too short.
 Bytes toBytes(const EntryClusters& clusters);

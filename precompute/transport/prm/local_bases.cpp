@@ -237,7 +237,7 @@ TrainingLights makeTrainingLights(const EntryClusters& clusters, const WaveletIn
   const float per_light = 1.0f / float(std::max(1u, training.count));
   const uint32_t count = clusters.cluster_count;
   const auto sizeOf = [&](uint32_t w) {
-    return std::sqrt(Eigen::Map<const VectorXf>(&wavelet[size_t(w) * training.count], training.count).squaredNorm() * per_light);
+    return std::sqrt(Eigen::Map<const VectorXf>(wavelet.data() + size_t(w) * training.count, training.count).squaredNorm() * per_light);
   };
   if (count > 0 && training.count > 0)
     if (const float size = sizeOf(meanIndex(count, count == 1 ? WaveletTree::kLeaf : 0)); size > 0) training.mean_unit = size;

@@ -1,7 +1,7 @@
 /* How far off the light of a container is, as its bake has measured it: for players who choose between files, for tools, for a game's own log.
  *
  *   lw_count_measured_errors(container, "lightmap", &count);
- *   for (i = 0; i < count; ++i) lw_get_measured_error(container, "lightmap", i, &error);
+ *   lw_get_measured_errors(container, "lightmap", count, errors);
  *
  * Conventions, memory, threads and results are as in lightwell.h.
  */
@@ -37,8 +37,13 @@ typedef struct lw_measured_error {
  * count: receives the number. A section has several where its light was measured in several ways. */
 LW_API lw_result lw_count_measured_errors(const lw_container *container, const char *section, uint32_t *count);
 
-/* One of them. LW_NOT_FOUND for an index that is not below the count. Else fails as lw_count_measured_errors. */
+/* One of them. LW_NOT_FOUND for an index that is not below the count. Else fails as lw_count_measured_errors. Reads the section's header anew: many are had at once from lw_get_measured_errors. */
 LW_API lw_result lw_get_measured_error(const lw_container *container, const char *section, uint32_t index, lw_measured_error *error);
+
+/* The first `count` of them, in the time of one. LW_NOT_FOUND when there are fewer; what was written then is not to be used. Else fails as lw_count_measured_errors.
+ *
+ * errors: [count]; may be NULL when that is 0. */
+LW_API lw_result lw_get_measured_errors(const lw_container *container, const char *section, uint32_t count, lw_measured_error *errors);
 
 #ifdef __cplusplus
 }

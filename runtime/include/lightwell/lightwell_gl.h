@@ -4,8 +4,8 @@
  *   lw_gl *gl;
  *   lw_gl_config config = LW_GL_CONFIG_INIT;
  *   config.loader = load;                               e.g. a wrapper of eglGetProcAddress, glfwGetProcAddress, SDL_GL_GetProcAddress
- *   lw_gl_create(&config, &gl);                         compiles the shaders
- *   lw_gl_prm_create(gl, prm, NULL, &gl_prm);           uploads the transport; the lw_prm may then be released
+ *   lw_gl_create(&config, &gl);
+ *   lw_gl_prm_create(gl, prm, NULL, &gl_prm);           uploads the transport and compiles its shaders; the lw_prm may then be released
  *   lw_gl_update_entries(gl_prm, lights, 2);            every frame: light at the entry points, with the game's shadow maps,
  *   lw_gl_evaluate(gl_prm, NULL);                         and the indirect irradiance of every texel
  *   glBindTexture(GL_TEXTURE_2D, lw_gl_prm_atlas_texture(gl_prm));   RGBA, linear filter, ready for lookup in the game's shaders
@@ -55,8 +55,8 @@ typedef struct lw_gl_config {
 } lw_gl_config;
 #define LW_GL_CONFIG_INIT {sizeof(lw_gl_config), NULL, NULL, NULL, NULL, NULL, NULL, NULL}
 
-/* Loads functions and compiles shaders in the current context.
- * Fails with LW_GL_UNSUPPORTED, LW_GL_FAILED (the message holds the compiler's log), LW_OUT_OF_MEMORY or LW_INVALID_ARGUMENT.
+/* Loads functions in the current context. Shaders are compiled by the functions that create what needs them, once for a context; lw_gl_prepare_shadow.
+ * Fails with LW_GL_UNSUPPORTED, LW_OUT_OF_MEMORY or LW_INVALID_ARGUMENT.
  *
  * gl: receives a handle; lw_gl_destroy it in the same context, after what was made with it. */
 LW_API lw_result lw_gl_create(const lw_gl_config *config, lw_gl **gl);
@@ -130,8 +130,12 @@ typedef struct lw_gl_light {
 /* Irradiance at the entry points, the sum of all `count` lights, and its averages over the clusters; replaces what was there. One draw
  * per shadowed light, one per 16 others, one for the averages.
  * Point and spot lights close to an entry of local bases are averaged over its rectangle, as lw_prm_entry_irradiance does.
- * LW_INVALID_ARGUMENT names the light whose values are out of range; nothing is drawn then. */
+ * LW_INVALID_ARGUMENT names the light whose values are out of range; nothing is drawn then, nor after LW_GL_FAILED (lw_gl_prepare_shadow). */
 LW_API lw_result lw_gl_update_entries(lw_gl_prm *gl_prm, const lw_gl_light *lights, uint32_t count);
+
+/* Compiles now what lights with this LW_GL_SHADOW_… need; else the first lw_gl_update_entries with such a light does, and takes its time. A game compiles so what its
+ * lights have, and nothing else. Fails with LW_GL_FAILED (the message holds the compiler's log) or LW_INVALID_ARGUMENT. */
+LW_API lw_result lw_gl_prepare_shadow(lw_gl *gl, uint32_t shadow);
 
 /* A texture of visibilities for LW_GL_SHADOW_VISIBILITY, filled with 1; glDeleteTextures it, or lw_gl_destroy_visibility. */
 LW_API lw_result lw_gl_create_visibility(lw_gl_prm *gl_prm, uint32_t *texture);

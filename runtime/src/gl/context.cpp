@@ -1,5 +1,6 @@
 #include "runtime/src/gl/context.h"
 
+#include "runtime/src/gl/programs.h"
 #include "runtime/src/gl/shaders.h"
 #include "runtime/src/light.h"
 
@@ -63,57 +64,16 @@ lw_result gl::compileProgram(const lw_gl& context, const char* what, std::initia
     api.GetProgramInfoLog(program.name, sizeof log, nullptr, log);
     result = context.host.fail(LW_GL_FAILED, "the %s program does not link: %s", what, log);
   }
-  if (result) return result;
+  if (result) {
+    api.DeleteProgram(program.name);
+    program.name = 0;
+    return result;
+  }
   api.UseProgram(program.name);
   int32_t unit = 0, index = 0;
   for (const char* name : samplers) api.Uniform1i(api.GetUniformLocation(program.name, name), unit++);
   for (const char* name : uniforms) program.uniform[index++] = api.GetUniformLocation(program.name, name);
   return LW_OK;
-}
-
-lw_result lw_gl::compilePrograms() {
-  using namespace gl::glsl;
-  using gl::compileProgram;
-  lw_result result = compileProgram(
-      *this, "entry", {kAddress, kLight, kEntries},
-      {"u_position", "u_normal", "u_previous", "u_shadow_2d", "u_shadow_cube", "u_visibility", "u_rectangle"},
-      {"u_entries", "u_light_count", "u_accumulate", "u_shadow", "u_reversed", "u_light", "u_shadow_numbers", "u_shadow_matrix"}, entries);
-  if (!result)
-    result = compileProgram(*this, "cluster", {kAddress, kClusters}, {"u_range", "u_position", "u_entry", "u_pane_sum"}, {"u_clusters"}, clusters);
-  if (!result) result = compileProgram(*this, "rank", {kAddress, kRank}, {"u_cluster"}, {"u_clusters"}, rank);
-  if (!result)
-    result = compileProgram(*this, "selection", {kAddress, kSelect}, {"u_cluster", "u_rank", "u_pane_sum"},
-                     {"u_clusters", "u_brightest", "u_keep_energy"}, select);
-  if (!result)
-    result = compileProgram(*this, "pane", {kAddress, kOwnValue, kPanes},
-                     {"u_texel_map", "u_weight", "u_pane", "u_constant", "u_buried"},
-                     {"u_weights", "u_selected", "u_texels", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count"}, panes);
-  if (!result)
-    result = compileProgram(*this, "reconstruction", {kAddress, kLocalBases, kOwnValue, kReconstruct},
-                     {"lw_texel_map", "lw_basis", "lw_amount", "u_constant", "u_buried"},
-                     {"lw_quads", "u_emitters", "u_constants", "u_sky", "u_max", "u_fill", "u_buried_count", "u_keep"}, reconstruct);
-  if (!result)
-    result = compileProgram(*this, "patch radiosity", {kAddress, kRadiosityPatches}, {"u_albedo", "u_emitted", "u_direct", "u_irradiance", "u_kept"},
-                     {"u_patches", "u_light"}, radiosity_patches);
-  if (!result)
-    result = compileProgram(*this, "node radiosity", {kAddress, kRadiosityNodes}, {"u_node", "u_share"}, {"u_begin", "u_end", "u_child_begin"}, radiosity_nodes);
-  if (!result)
-    result = compileProgram(*this, "radiosity gathering", {kAddress, kRadiosityGather}, {"u_link", "u_row", "u_run", "u_gate", "u_node", "u_previous"},
-                     {"u_patches", "u_omega"}, radiosity_gather);
-  if (!result)
-    result = compileProgram(*this, "radiosity", {kAddress, kRadiosityShade},
-                     {"u_texel_map", "u_texel_patch", "u_texel_weight", "u_irradiance", "u_emitters", "u_direct"}, {"u_fill", "u_amounts", "u_max"},
-                     radiosity_shade);
-  if (!result)
-    result = compileProgram(*this, "view of a light", {kAddress, kAlphaTest, kInjectSee},
-                     {"u_corner", "u_triangle", "u_texel_patches", "u_patch", "u_alpha_material", "u_alpha", "u_leaf"},
-                     {"u_eye", "u_right", "u_up", "u_forward", "u_range"}, inject_see, {kAddress, kLampViewVertex});
-  if (!result)
-    result = compileProgram(*this, "light injection", {kInjectAdd}, {"u_seen", "u_patch"}, {"u_side", "u_light", "u_cone", "u_spot"}, inject_add,
-                     {kAddress, kInjectAddVertex});
-  if (!result)
-    result = compileProgram(*this, "probe", {kAddress, kProbes}, {"u_link", "u_probe", "u_run", "u_gate", "u_node"}, {"u_probes", "u_groups"}, probes);
-  return result;
 }
 
 lw_result lw_gl_create(const lw_gl_config* config, lw_gl** out) {
@@ -132,7 +92,6 @@ lw_result lw_gl_create(const lw_gl_config* config, lw_gl** out) {
     context->api.GenVertexArrays(1, &context->vertex_array);
     context->shadow_sampler[0] = createShadowSampler(context->api, gl::kLequal);
     context->shadow_sampler[1] = createShadowSampler(context->api, gl::kGequal);
-    result = context->compilePrograms();
     context->api.clearErrors();
   }
   if (result) {
@@ -148,10 +107,7 @@ void lw_gl_destroy(lw_gl* context) {
   const gl::Api& api = context->api;
   api.DeleteVertexArrays(1, &context->vertex_array);
   api.DeleteSamplers(2, context->shadow_sampler);
-  for (const gl::Program* program : {&context->entries, &context->clusters, &context->rank, &context->select, &context->panes,
-                                     &context->reconstruct, &context->radiosity_patches, &context->radiosity_nodes,
-                                     &context->radiosity_gather, &context->radiosity_shade, &context->inject_see, &context->inject_add, &context->probes})
-    if (program->name) api.DeleteProgram(program->name);
+  gl::deletePrograms(*context);
   lightwell::runtime::destroyHandle(context);
 }
 

@@ -45,13 +45,14 @@ const char* checkLight(const lw_gl_light& light) {
 void drawLights(lw_gl_prm& prm, const lw_gl_light* lights, uint32_t count, bool accumulate) {
   namespace u = entries_uniform;
   const Api& api = prm.context->api;
-  const Program& program = prm.context->entries;
   const lw_gl_light* shadowed = count && lights[0].shadow != LW_GL_SHADOW_NONE ? lights : nullptr;
+  const Program& program = prm.context->entries[shadowed ? shadowed->shadow : uint32_t(LW_GL_SHADOW_NONE)];
+  api.UseProgram(program.name);
+  api.Uniform1i(program.uniform[u::entries], int32_t(prm.entries));
   PackedLight packed[kBatch];
   for (uint32_t l = 0; l < count; ++l) packLight(lights[l].light, packed[l]);
   api.Uniform1i(program.uniform[u::light_count], int32_t(count));
   api.Uniform1i(program.uniform[u::accumulate], accumulate);
-  api.Uniform1i(program.uniform[u::shadow], shadowed ? int32_t(shadowed->shadow) : int32_t(LW_GL_SHADOW_NONE));
   if (count) api.Uniform4fv(program.uniform[u::light], int32_t(count * 4), packed[0].position_m);
   constexpr float kNoNumbers[4] = {};
   api.Uniform4fv(program.uniform[u::shadow_numbers], 1, kNoNumbers);
@@ -81,12 +82,13 @@ lw_result lw_gl_update_entries(lw_gl_prm* prm, const lw_gl_light* lights, uint32
   if (!prm || (count && !lights)) return LW_INVALID_ARGUMENT;
   for (uint32_t l = 0; l < count; ++l)
     if (const char* reason = checkLight(lights[l])) return prm->host.fail(LW_INVALID_ARGUMENT, "light %u: %s", l, reason);
-  const lw_gl& context = *prm->context;
+  lw_gl& context = *prm->context;
   const Api& api = context.api;
   const StateGuard guard(api);
-  // Samplers of shadows that no light has read nothing, so whatever the game has on their units does no harm.
-  api.UseProgram(context.entries.name);
-  api.Uniform1i(context.entries.uniform[entries_uniform::entries], int32_t(prm->entries));
+  if (count == 0)
+    if (const lw_result result = prepareEntries(context, LW_GL_SHADOW_NONE)) return result;
+  for (uint32_t l = 0; l < count; ++l)
+    if (const lw_result result = prepareEntries(context, lights[l].shadow)) return result;
   bindUnit(api, 0, kTexture2dArray, prm->entry_position);
   bindUnit(api, 1, kTexture2dArray, prm->entry_normal);
   bindUnit(api, 6, kTexture2dArray, prm->entry_rectangle);
@@ -110,6 +112,13 @@ lw_result lw_gl_update_entries(lw_gl_prm* prm, const lw_gl_light* lights, uint32
   bindUnit(api, 3, kTexture2dArray, prm->pane_sum);
   drawInto(*prm, prm->cluster);
   return LW_OK;
+}
+
+lw_result lw_gl_prepare_shadow(lw_gl* context, uint32_t shadow) {
+  if (!context) return LW_INVALID_ARGUMENT;
+  if (shadow > LW_GL_SHADOW_VISIBILITY) return context->host.fail(LW_INVALID_ARGUMENT, "%u is no kind of shadow", shadow);
+  const StateGuard guard(context->api);
+  return prepareEntries(*context, shadow);
 }
 
 lw_result lw_gl_create_visibility(lw_gl_prm* prm, uint32_t* texture) {

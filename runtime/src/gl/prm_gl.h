@@ -1,6 +1,6 @@
 // A precomputed radiance map on the GPU.
 #pragma once
-#include "runtime/src/gl/context.h"
+#include "runtime/src/gl/programs.h"
 #include "runtime/src/gl/texture.h"
 #include "runtime/src/running_sums.h"
 

@@ -39,6 +39,8 @@ class Uploader : ListUploader {
     else uploadLocalBases();
     uploadTexels();
     makeTargets();
+    if (!result_) result_ = out_.panes ? preparePanes(*out_.context) : prepareLocalBases(*out_.context);
+    if (!result_ && !out_.entries_are_clusters) result_ = prepareClusters(*out_.context);
     if (!result_)
       if (const Enum error = api_.GetError(); error != kNoError)
         return out_.host.fail(error == kOutOfMemory ? LW_OUT_OF_MEMORY : LW_GL_FAILED, "uploading the radiance maps: GL error 0x%04x",

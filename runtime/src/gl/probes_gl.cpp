@@ -141,7 +141,8 @@ lw_result lw_gl_probes_create(lw_gl_radiosity* radiosity, const lw_probes* probe
   lw_result result;
   {
     const StateGuard guard(radiosity->context->api);
-    result = Uploader(*gl_probes, *probes).upload();
+    result = prepareProbes(*radiosity->context);
+    if (!result) result = Uploader(*gl_probes, *probes).upload();
     radiosity->context->api.clearErrors();
   }
   if (result) {

@@ -1,6 +1,6 @@
 // Form factors on the GPU, and the light that they carry there.
 #pragma once
-#include "runtime/src/gl/context.h"
+#include "runtime/src/gl/programs.h"
 #include "runtime/src/gl/texture.h"
 #include "runtime/src/radiosity.h"
 

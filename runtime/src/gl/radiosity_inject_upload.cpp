@@ -132,7 +132,8 @@ lw_result lw_gl_radiosity_injector_create(lw_gl_radiosity* target, const lw_cont
     injector->target = target;
     injector->side = side;
     const gl::StateGuard guard(api);
-    result = gl::Uploader(*injector, *from).upload();
+    result = gl::prepareInjection(*target->context);
+    if (!result) result = gl::Uploader(*injector, *from).upload();
     api.clearErrors();
   } else {
     result = target->host.fail(LW_OUT_OF_MEMORY, "no memory for the handle of the injector");

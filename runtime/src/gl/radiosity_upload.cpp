@@ -29,6 +29,7 @@ class Uploader : ListUploader {
       return out_.host.fail(LW_LIMIT_EXCEEDED, "the atlas of %u x %u texels is larger than the context's textures", r_.width, r_.height);
     if (r_.nodes() > kMaxTargetElements)
       return out_.host.fail(LW_LIMIT_EXCEEDED, "more than %llu patches and nodes", static_cast<unsigned long long>(kMaxTargetElements));
+    if (const lw_result result = prepareRadiosity(*out_.context)) return result;
     api_.clearErrors();
     uploadLinks();
     uploadTexels();

@@ -111,21 +111,21 @@ vec3 lwLocalBasesIrradiance(vec2 lightmap_uv) {
 }
 )";
 
+// LW_SHADOW: the lights' kind of shadow, as LW_GL_SHADOW_… has them; code of other kinds is not there.
 const char kEntries[] = R"(
 uniform sampler2DArray u_position;
 uniform sampler2DArray u_normal;      // w: the longer half side of the entry's rectangle; 0: a point
 uniform sampler2DArray u_rectangle;   // half its sides, its turn in half turns
 uniform sampler2D u_previous;
-uniform sampler2DShadow u_shadow_2d;
-uniform samplerCubeShadow u_shadow_cube;
-uniform sampler2DArray u_visibility;
-uniform int u_entries, u_light_count, u_accumulate, u_shadow, u_reversed;
+uniform int u_entries, u_light_count, u_accumulate, u_reversed;
 uniform vec4 u_light[64];  // 16 LwLights
 uniform vec4 u_shadow_numbers;  // near, far, depth bias, normal offset
-uniform mat4 u_shadow_matrix;
 out vec4 o_irradiance;
 
-float shadow2d(vec3 p) {
+#if LW_SHADOW == 1
+uniform sampler2DShadow u_shadow_2d;
+uniform mat4 u_shadow_matrix;
+float shadow(int i, vec3 p) {
   vec4 clip = u_shadow_matrix * vec4(p, 1.0);
   if (clip.w <= 0.0) return 1.0;
   vec3 at = clip.xyz / clip.w;
@@ -135,8 +135,9 @@ float shadow2d(vec3 p) {
   at.z += u_reversed == 0 ? -u_shadow_numbers.z : u_shadow_numbers.z;
   return textureLod(u_shadow_2d, at, 0.0);
 }
-
-float shadowCube(vec3 p) {
+#elif LW_SHADOW == 2
+uniform samplerCubeShadow u_shadow_cube;
+float shadow(int i, vec3 p) {
   vec3 offset = p - u_light[0].xyz;
   float z = max(max(abs(offset.x), abs(offset.y)), abs(offset.z));
   float near = u_shadow_numbers.x, far = u_shadow_numbers.y;
@@ -145,6 +146,10 @@ float shadowCube(vec3 p) {
   depth = u_reversed == 0 ? depth - u_shadow_numbers.z : 1.0 - depth + u_shadow_numbers.z;
   return texture(u_shadow_cube, vec4(offset, depth));
 }
+#elif LW_SHADOW == 3
+uniform sampler2DArray u_visibility;
+float shadow(int i, vec3 p) { return texelFetch(u_visibility, lwAddress(i), 0).r; }
+#endif
 
 float solidAngle(vec3 a, vec3 b, vec3 c) {
   float la = length(a), lb = length(b), lc = length(c);
@@ -178,10 +183,9 @@ void main() {
     if (u_light[l * 4 + 1].w < 2.5) irradiance *= rectangleGain(i, u_light[l * 4].xyz - position, normal, normal_side.w);
     sum += min(irradiance, vec3(1e30));
   }
-  vec3 moved = position + normal * u_shadow_numbers.w;
-  if (u_shadow == 1) sum *= shadow2d(moved);
-  else if (u_shadow == 2) sum *= shadowCube(moved);
-  else if (u_shadow == 3) sum *= texelFetch(u_visibility, lwAddress(i), 0).r;
+#if LW_SHADOW != 0
+  sum *= shadow(i, position + normal * u_shadow_numbers.w);
+#endif
   if (u_accumulate != 0) sum += texelFetch(u_previous, lwPixel(i), 0).rgb;
   o_irradiance = vec4(sum, 1.0);
 }
