@@ -11,6 +11,9 @@
 namespace lightwell::bake {
 namespace {
 
+// Lamps that stay where they are lose the same light to rounding for ever; others come and go.
+constexpr float kFixedLampsStepShare = 0.1f;
+
 // Elements of a stage in one task: a few tenths of a second of work. Part of what names a task, never of what it computes.
 constexpr uint32_t kGroupsPerTask = 32, kLightsPerTask = 8, kSidesPerTask = 2048, kBlocksPerTask = 32, kProbesPerTask = 64;
 
@@ -82,6 +85,7 @@ transport::PrmSettings prmSettings(const plan::Settings& settings, const scene::
       break;
     case plan::Quality::production: break;  // the estimator's defaults
   }
+  if (settings.moving_lights == plan::MovingLights::lamps) prm.bases.wavelet_step *= kFixedLampsStepShare;
   const float factor = std::exp2(float(settings.refinement));
   prm.bases.rank_error /= factor;
   prm.bases.wavelet_step /= factor;
