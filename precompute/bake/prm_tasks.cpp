@@ -7,13 +7,9 @@
 #include "precompute/bake/bake.h"
 #include "precompute/bake/probe_tasks.h"
 #include "precompute/bake/stage_tasks.h"
-#include "precompute/transport/prm/merge_entries.h"
 
 namespace lightwell::bake {
 namespace {
-
-// Where light is looked for on surfaces that are known by their mean alone.
-constexpr uint32_t kMergedPoints = 4;
 
 // Lamps that stay where they are lose the same light to rounding for ever; others come and go.
 constexpr float kFixedLampsStepShare = 0.1f;
@@ -75,7 +71,7 @@ transport::PrmSettings prmSettings(const plan::Settings& settings, const scene::
   transport::PrmSettings prm;
   prm.seed = settings.seed;
   prm.prior = lightPrior(settings, scene);
-  prm.merge_unreached = prm.merge_unlinked = !settings.keep_all;
+  prm.merge_unreached = !settings.keep_all;
   switch (settings.quality) {
     case plan::Quality::draft:
       prm.entries.clusters = 4096, prm.entries.groups = 384;
@@ -130,7 +126,6 @@ std::shared_ptr<const transport::PrmBaker> makePrmBaker(const BakeContext& conte
 PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transport::PrmSettings& settings,
                      std::shared_ptr<const transport::PrmBaker> baker) {
   PrmTasks tasks{baker, {}, {}, {}};
-  tasks.merge_unlinked = settings.merge_unlinked && settings.layout == transport::PrmLayoutKind::local_bases;
   const SceneKeys& keys = context.keys();
   const transport::LocalBasesOptions& bases = settings.bases;
   const double entries = settings.entries.clusters * double(settings.entries.points_per_cluster);
@@ -173,7 +168,6 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
 transport::PrmResult assemblePrm(const PrmTasks& tasks, std::span<const Blob> blocks, std::span<const Blob> emitter, std::span<const Blob> probes) {
   transport::PrmResult prm = tasks.baker->assemble(viewsOf(blocks), viewsOf(emitter));
   if (!probes.empty()) prm.probes = tasks.baker->assembleProbes(viewsOf(probes));
-  if (tasks.merge_unlinked) transport::mergeUnlinked(prm, kMergedPoints);
   return prm;
 }
 

@@ -25,7 +25,6 @@ std::shared_ptr<const transport::PrmBaker> makePrmBaker(const BakeContext& conte
 struct PrmTasks {
   std::shared_ptr<const transport::PrmBaker> baker;
   std::vector<TaskIndex> blocks, emitter, probes;  // outputs of fit, of emitterDirect and of fitProbes, in range order
-  bool merge_unlinked = false;                     // once they are joined
 };
 
 /// Adds the tasks up to the fitted blocks. `context` must have a tracer and outlive the graph; `baker` was made with `settings`.

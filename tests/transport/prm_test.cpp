@@ -8,7 +8,6 @@
 #include "precompute/transport/prm/bake_prm.h"
 #include "precompute/transport/prm/entry_irradiance.h"
 #include "precompute/transport/prm/evaluate.h"
-#include "precompute/transport/prm/merge_entries.h"
 #include "precompute/transport/prm/panes.h"
 #include "precompute/transport/reference/reference.h"
 #include "tests/support/prepared_scene.h"
@@ -96,54 +95,6 @@ TEST(PrmEntryPoints, AreFewWhereNoLampReaches) {
   settings.merge_unreached = true;
   settings.prior.places = LightPrior::Places::anywhere;
   EXPECT_EQ(makePrmEntries(p.scene, p.atlas, *p.tracer, settings).merged_clusters, 0u) << "light may come everywhere";
-}
-
-/// Irradiance of the texels for light that is different at every entry point, and there always the same.
-std::vector<Rgb> underUnevenLight(const PrmResult& prm) {
-  std::vector<Rgb> cluster_rgb(prm.entries.clusterCount(), Rgb(0.0f));
-  for (uint32_t c = 0; c < prm.entries.clusterCount(); ++c)
-    for (uint32_t i = prm.entries.cluster_first_entry[c]; i < prm.entries.cluster_first_entry[c + 1]; ++i) {
-      const Vec3& p = prm.entries.position[i];
-      cluster_rgb[c] += Rgb(1 + std::sin(17 * p.x), 1 + std::sin(13 * p.y + p.z), 1 + std::cos(19 * p.z)) * prm.entries.weight[i];
-    }
-  return evaluatePrm(prm, cluster_rgb);
-}
-
-double surfaceOf(const PrmEntries& entries) {
-  double area = 0;
-  for (size_t i = 0; i < entries.position.size(); ++i) area += 4 * double(entries.half_u[i].length()) * double(entries.half_v[i].length());
-  return area;
-}
-
-TEST(PrmEntryPoints, ThatBlocksKnowByTheirMeanAloneAreOneCluster) {
-  const Prepared p(roomWithBox(0.5f));
-  PrmSettings settings = smallSettings(PrmLayoutKind::local_bases);
-  settings.entries.clusters = 2000;
-  const PrmBaker baker(p.scene, p.atlas, *p.tracer, settings);
-  const PrmResult all = bake(baker, 16, 2);
-  for (const uint32_t points : {1u, 4u, 1u << 20}) {
-    PrmResult merged = all;
-    const uint32_t fewer = mergeUnlinked(merged, points);
-    EXPECT_GT(fewer, all.entries.clusterCount() / 10);
-    EXPECT_EQ(merged.entries.clusterCount() + fewer, all.entries.clusterCount());
-    EXPECT_EQ(merged.bases.tree.children(merged.entries.clusterCount()).size(), merged.entries.clusterCount() - 1) << "still a tree";
-    EXPECT_EQ(merged.bases.wavelet_unit.size(), waveletCount(merged.entries.clusterCount()));
-    EXPECT_NEAR(surfaceOf(merged.entries), surfaceOf(all.entries), 1e-4 * surfaceOf(all.entries));
-    for (uint32_t c = 0; c < merged.entries.clusterCount(); ++c) {
-      const uint32_t first = merged.entries.cluster_first_entry[c], end = merged.entries.cluster_first_entry[c + 1];
-      ASSERT_GT(end, first);
-      ASSERT_LE(end - first, points);
-      ASSERT_NEAR(std::accumulate(merged.entries.weight.begin() + first, merged.entries.weight.begin() + end, 0.0), 1.0, 1e-5);
-    }
-    for (size_t b = 0; b + 1 < merged.bases.block_first_link.size(); ++b)
-      ASSERT_TRUE(std::is_sorted(merged.bases.link_wavelet.begin() + merged.bases.block_first_link[b], merged.bases.link_wavelet.begin() + merged.bases.block_first_link[b + 1]));
-    EXPECT_EQ(mergeUnlinked(merged, points), 0u) << "nothing is left to merge";
-    if (points < 1u << 20) continue;
-    EXPECT_EQ(merged.entries.position.size(), all.entries.position.size());
-    const auto before = underUnevenLight(all), after = underUnevenLight(merged);
-    for (size_t t = 0; t < before.size(); ++t)
-      for (int c = 0; c < 3; ++c) ASSERT_NEAR(after[t][c], before[t][c], 1e-4f * (1 + before[t][c])) << "with all entry points the light is the same";
-  }
 }
 
 TEST(PrmFurnace, UnitLightEverywhereInAClosedRoomGivesTheGeometricSeries) {

@@ -27,7 +27,6 @@ struct PrmSettings {
   uint32_t training_lights = 512;   // local bases only
   LightPrior prior;                 // local bases only: where these are
   bool merge_unreached = true;      // local bases only: clusters that no such light reaches are one where they are neighbours
-  bool merge_unlinked = true;       // local bases only: so are those that blocks know by their mean alone (merge_entries.h)
   uint32_t emitter_samples = 64;    // per texel
   std::vector<Vec3> probes;         // points in the air, internal units; local bases only
   uint32_t probe_rays = 8192;       // from each

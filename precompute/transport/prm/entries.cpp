@@ -4,12 +4,12 @@
 #include <array>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "precompute/core/parallel.h"
 #include "precompute/transport/exposure.h"
 #include "precompute/transport/side_rays.h"
-#include "precompute/transport/prm/entry_rectangle.h"
 #include "precompute/transport/prm/gather.h"
 #include "precompute/transport/prm/unreached.h"
 
@@ -28,6 +28,13 @@ constexpr uint64_t kSurroundingStream = 1ull << 32;
 constexpr uint32_t kViewRays = 16;
 constexpr float kLeastSpacing = 0.1f;
 constexpr uint64_t kViewStream = 5ull << 40;
+
+/// A patch of a cluster's surface.
+struct Member {
+  std::array<Vec3, 3> corner;
+  Vec3 centroid, normal;
+  float area;
+};
 
 Vec3 closestPointOnEdge(const Vec3& a, const Vec3& b, const Vec3& point) {
   const Vec3 edge = b - a;
@@ -48,9 +55,85 @@ Vec3 closestPointOnTriangle(const std::array<Vec3, 3>& corner, const Vec3& point
   return closest;
 }
 
+struct Point2 {
+  double x = 0, y = 0;
+};
+
+struct RectangleShape {
+  double angle = 0;       // of the first side, from the tangent
+  double proportion = 1;  // first side / second side
+};
+
+/// Of the rectangle of least area about the points (one of its sides lies along their convex hull: Freeman, Shapira, "Determining the Minimum-Area Encasing
+/// Rectangle for an Arbitrary Closed Curve"); nothing where it is more than a fiftieth larger than `area`: the piece is no rectangle then.
+std::optional<RectangleShape> rectangleAround(std::vector<Point2>& points, double area) {
+  std::sort(points.begin(), points.end(), [](const Point2& a, const Point2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
+  const auto turn = [](const Point2& a, const Point2& b, const Point2& c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); };
+  std::vector<Point2> hull;  // monotone chain
+  for (const bool upper : {false, true}) {
+    const size_t first = hull.size();
+    const auto add = [&](const Point2& point) {
+      while (hull.size() >= first + 2 && turn(hull[hull.size() - 2], hull.back(), point) <= 0) hull.pop_back();
+      hull.push_back(point);
+    };
+    if (upper) std::for_each(points.rbegin(), points.rend(), add);
+    else std::for_each(points.begin(), points.end(), add);
+    hull.pop_back();
+  }
+  constexpr double kMostSlack = 1.02;
+  double least = kMostSlack * area;
+  std::optional<RectangleShape> shape;
+  for (size_t i = 0; i < hull.size(); ++i) {
+    const Point2 &from = hull[i], &to = hull[(i + 1) % hull.size()];
+    const double length = std::hypot(to.x - from.x, to.y - from.y);
+    if (!(length > 0)) continue;
+    const double c = (to.x - from.x) / length, s = (to.y - from.y) / length;
+    double along_low = HUGE_VAL, along_high = -HUGE_VAL, across_low = HUGE_VAL, across_high = -HUGE_VAL;
+    for (const Point2& p : hull) {
+      const double along = c * p.x + s * p.y, across = c * p.y - s * p.x;
+      along_low = std::min(along_low, along), along_high = std::max(along_high, along);
+      across_low = std::min(across_low, across), across_high = std::max(across_high, across);
+    }
+    const double width = along_high - along_low, height = across_high - across_low;
+    if (!(width * height < least * (1 - 1e-9)) || !(height > 0)) continue;
+    least = width * height;
+    shape = {std::atan2(s, c), width / height};
+  }
+  return shape;
+}
+
+/// The rectangle about the entry point just appended, of the piece's area: the piece itself where it is one, else with the axes and the proportions of its second
+/// moments. A square has no axes of its moments.
+void appendRectangle(std::span<const Member> members, const Vec3& centroid, float area, PrmEntries& entries) {
+  Vec3 tangent, bitangent;
+  orthonormalBasis(entries.normal.back(), tangent, bitangent);
+  double uu = 0, uv = 0, vv = 0;
+  std::vector<Point2> outline;
+  for (const auto& member : members) {
+    // A triangle's moment about a point: that of its mean point, and the spread of its corners about that, a twelfth of the sum of squares.
+    const auto add = [&](const Vec3& offset, double weight) {
+      const double u = offset.dot(tangent), v = offset.dot(bitangent);
+      uu += weight * u * u, uv += weight * u * v, vv += weight * v * v;
+    };
+    add(member.centroid - centroid, member.area);
+    for (const auto& corner : member.corner) {
+      add(corner - member.centroid, double(member.area) / 12);
+      outline.push_back({(corner - centroid).dot(tangent), (corner - centroid).dot(bitangent)});
+    }
+  }
+  const double middle = 0.5 * (uu + vv), spread = std::hypot(0.5 * (uu - vv), uv);
+  const double least = std::max(1e-4 * (middle + spread), middle - spread);  // slivers stay rectangles
+  RectangleShape shape{0.5 * std::atan2(2 * uv, uu - vv), least > 0 ? std::sqrt((middle + spread) / least) : 1.0};
+  if (const auto rectangle = rectangleAround(outline, area)) shape = *rectangle;
+  const float half_u = float(std::sqrt(0.25 * area * shape.proportion)), half_v = float(std::sqrt(0.25 * area / shape.proportion));
+  const float c = float(std::cos(shape.angle)), s = float(std::sin(shape.angle));
+  entries.half_u.push_back((tangent * c + bitangent * s) * half_u);
+  entries.half_v.push_back((bitangent * c - tangent * s) * half_v);
+}
+
 /// One entry point for a piece of surface: the point of it next to its centroid, which makes the average of irradiance second-order accurate on
 /// flat pieces. The centroid itself may lie inside a column or under a box, where no light comes.
-void appendEntry(std::span<const SurfacePiece> members, float total_area, PrmEntries& entries) {
+void appendEntry(std::span<const Member> members, float total_area, PrmEntries& entries) {
   Vec3 centroid(0.0f), normal(0.0f);
   float area = 0;
   for (const auto& member : members) {
@@ -76,7 +159,7 @@ void appendEntry(std::span<const SurfacePiece> members, float total_area, PrmEnt
 }
 
 /// Halves the members by area across their longest extent until `count` pieces are left, and adds a point for each.
-void appendPieces(std::span<SurfacePiece> members, uint32_t count, float total_area, PrmEntries& entries) {
+void appendPieces(std::span<Member> members, uint32_t count, float total_area, PrmEntries& entries) {
   if (count <= 1 || members.size() == 1) return appendEntry(members, total_area, entries);
   Box3 box;
   double area = 0;
@@ -85,7 +168,7 @@ void appendPieces(std::span<SurfacePiece> members, uint32_t count, float total_a
     area += member.area;
   }
   const int axis = box.majorAxis();
-  std::stable_sort(members.begin(), members.end(), [axis](const SurfacePiece& a, const SurfacePiece& b) { return a.centroid[axis] < b.centroid[axis]; });
+  std::stable_sort(members.begin(), members.end(), [axis](const Member& a, const Member& b) { return a.centroid[axis] < b.centroid[axis]; });
   const uint32_t left_count = count / 2;
   const double left_area = area * left_count / count;
   size_t split = 0;
@@ -98,12 +181,12 @@ void appendPieces(std::span<SurfacePiece> members, uint32_t count, float total_a
 /// `count` entry points (fewer where there are fewer patches) for the listed sides.
 void appendEntries(const scene::Mesh& mesh, const atlas::Atlas& atlas, const Sides& sides, std::span<const float> exposed,
                    std::span<const uint32_t> member_sides, uint32_t count, PrmEntries& entries) {
-  std::vector<SurfacePiece> members;
+  std::vector<Member> members;
   float total_area = 0;
   for (const uint32_t side : member_sides) {
     const auto& slot = atlas.slots[sides.slot[side]];
     for (const auto& patch : std::span(atlas.patches).subspan(slot.first_patch, slot.patch_count)) {
-      SurfacePiece member;
+      Member member;
       for (int i = 0; i < 3; ++i) member.corner[i] = atlas::surfacePoint(mesh, patch.triangle, patch.corner[i].x, patch.corner[i].y).position;
       const Vec2 middle = (patch.corner[0] + patch.corner[1] + patch.corner[2]) / 3.0f;
       const auto point = atlas::surfacePoint(mesh, patch.triangle, middle.x, middle.y);
