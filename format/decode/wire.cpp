@@ -81,6 +81,18 @@ void WireReader::read(std::string_view& value) {
 }
 std::string_view WireReader::bytes() { return expect(WireType::bytes) ? bytes_ : std::string_view(); }
 
+void WireReader::skipNumbers(WireType element) {
+  if (type_ == element || !expect(WireType::bytes)) return;
+  if (element != WireType::varint) {
+    if (bytes_.size() % (element == WireType::fixed64 ? 8 : 4) != 0) fail();
+    return;
+  }
+  const auto* cursor = reinterpret_cast<const uint8_t*>(bytes_.data());
+  const uint8_t* end = cursor + bytes_.size();
+  for (uint64_t number; cursor != end;)
+    if (!varint(cursor, end, number)) return void(fail());
+}
+
 void WireReader::append(uint64_t* values, uint32_t capacity, uint32_t& count) {
   const auto* cursor = reinterpret_cast<const uint8_t*>(bytes_.data());
   const uint8_t* end = cursor + bytes_.size();

@@ -35,6 +35,8 @@ class WireReader {
   /// A submessage or string of a repeated field: any number of occurrences.
   std::string_view bytes();
 
+  /// Numbers of a repeated field, packed or not, unread.
+  void skipNumbers(WireType element);
   void append(uint64_t* values, uint32_t capacity, uint32_t& count);
   void append(float* values, uint32_t capacity, uint32_t& count);
   void append(double* values, uint32_t capacity, uint32_t& count);

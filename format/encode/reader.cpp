@@ -1,10 +1,12 @@
 #include "format/encode/reader.h"
 
-#include <google/protobuf/message_lite.h>
+#include <google/protobuf/message.h>
 #include <google/protobuf/stubs/logging.h>
 
 #include <cerrno>
 #include <system_error>
+
+#include "format/encode/strict_message.h"
 
 namespace lightwell::format {
 
@@ -55,9 +57,9 @@ std::string Reader::readBytes(std::string_view section, std::string_view name) c
   return bytes;
 }
 
-void Reader::parse(std::string_view section, std::string_view name, google::protobuf::MessageLite& message) const {
+void Reader::parse(std::string_view section, std::string_view name, google::protobuf::Message& message) const {
   const google::protobuf::LogSilencer silencer;  // the exception says it
-  if (message.ParseFromString(readBytes(section, name))) return;
+  if (parseStrictly(readBytes(section, name), message)) return;
   const std::string place = std::string(section) + "/" + std::string(name);
   throw ContainerError(file_, makeFault(Status::bad_section, chunk(section, name).offset, "%s: not a valid message", place.c_str()));
 }

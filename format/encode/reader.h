@@ -72,7 +72,7 @@ class Reader {
   void open(const Source& source, const Limits& limits);
   void checkElement(const ChunkInfo& info, ElementType element) const;
   void decode(const ChunkInfo& info, void* destination, size_t bytes) const;
-  void parse(std::string_view section, std::string_view name, google::protobuf::MessageLite& message) const;
+  void parse(std::string_view section, std::string_view name, google::protobuf::Message& message) const;
 
   std::string file_;
   std::unique_ptr<FileSource> file_source_;

@@ -1,14 +1,14 @@
 #include "format/encode/verify.h"
 
-#include <google/protobuf/message_lite.h>
+#include <google/protobuf/message.h>
 #include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <climits>
 #include <cmath>
 #include <system_error>
 
+#include "format/encode/strict_message.h"
 #include "format/encode/verify_context.h"
 
 namespace lightwell::format {
@@ -78,11 +78,11 @@ bool VerifyContext::decode(const ChunkInfo& chunk, void* destination) {
   return !fault;
 }
 
-bool VerifyContext::loadMessage(std::string_view section, std::string_view name, google::protobuf::MessageLite& message) {
+bool VerifyContext::loadMessage(std::string_view section, std::string_view name, google::protobuf::Message& message) {
   const auto bytes = load<uint8_t>(section, name, ElementType::bytes, {kAnyExtent});
   if (!bytes) return false;
   const google::protobuf::LogSilencer silencer;  // the issue says it
-  if (bytes->size() <= size_t(INT_MAX) && message.ParseFromArray(bytes->data(), int(bytes->size()))) return true;
+  if (parseStrictly({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, message)) return true;
   report(IssueId::message_invalid, section, name, "not a valid " + message.GetTypeName());
   return false;
 }

@@ -14,7 +14,7 @@
 #include "format/encode/writer.h"
 
 namespace google::protobuf {
-class MessageLite;
+class Message;
 }
 
 namespace lightwell::format {
@@ -53,7 +53,7 @@ class VerifyContext {
     return load<T>(section, name, detail::elementTypeOf<T>(), shape);
   }
   /// Decodes a BYTES chunk into a message.
-  bool loadMessage(std::string_view section, std::string_view name, google::protobuf::MessageLite& message);
+  bool loadMessage(std::string_view section, std::string_view name, google::protobuf::Message& message);
 
   /// Reports the first value for which `wrong(value)` holds, with its index and how many more there are.
   template <class T, class Predicate>

@@ -1,10 +1,13 @@
 // The wire reader: terminates on anything, and accepts nothing that the protobuf library refuses.
+#include <google/protobuf/stubs/logging.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
+#include "format/decode/headers.h"
 #include "format/decode/wire.h"
+#include "format/encode/strict_message.h"
 #include "lightwell/v1/container.pb.h"
 
 namespace lightwell::format {
@@ -119,6 +122,57 @@ TEST(Wire, TerminatesOnNoise) {
   }
   EXPECT_GT(refused, 0);
   EXPECT_LT(refused, 200000);  // the empty message is sound
+}
+
+/// Bytes of fields: each a tag (number << 3 | wire type) and what follows.
+std::string bytesOf(std::initializer_list<int> values) {
+  std::string bytes;
+  for (const int value : values) bytes += char(value);
+  return bytes;
+}
+
+TEST(StrictMessages, TakeNothingThatTheRuntimeRefuses) {
+  v1::AtlasHeader atlas;
+  EXPECT_TRUE(parseStrictly(bytesOf({0x08, 4, 0x10, 4}), atlas));
+  EXPECT_TRUE(parseStrictly(bytesOf({0x08, 4, 0x78, 1, 0x78, 2}), atlas)) << "what a later version adds is skipped";
+  EXPECT_FALSE(parseStrictly(bytesOf({0x08, 4, 0x10, 4, 0x10, 4}), atlas)) << "a field twice";
+  EXPECT_FALSE(parseStrictly(bytesOf({0x0d, 0, 0, 0, 0}), atlas)) << "another wire type";
+  EXPECT_FALSE(parseStrictly(bytesOf({0x08, 0x80, 0x80, 0x80, 0x80, 0x10}), atlas)) << "a width of 2^32";
+  EXPECT_FALSE(parseStrictly(bytesOf({0x7b, 0x7c}), atlas)) << "a group";
+  EXPECT_FALSE(parseStrictly(bytesOf({0x08}), atlas)) << "cut";
+  v1::SceneHeader scene;
+  EXPECT_TRUE(parseStrictly(bytesOf({0x22, 2, 0x08, 1, 0x22, 0}), scene)) << "lights are repeated";
+  EXPECT_FALSE(parseStrictly(bytesOf({0x22, 4, 0x08, 1, 0x08, 1}), scene)) << "a light's type twice";
+  EXPECT_FALSE(parseStrictly(bytesOf({0x22, 5, 0x18, 1, 0x08, 1, 0x18}), scene)) << "a light's position as whole numbers";
+  EXPECT_FALSE(parseStrictly(bytesOf({0x0a, 3, 0, 0, 0}), scene)) << "three bytes of a double";
+}
+
+/// Whatever is done to a header: what is taken, the runtime's reader takes, too.
+TEST(StrictMessages, AgreeWithTheReaderOfTheRuntime) {
+  v1::SceneHeader scene;
+  for (int i = 0; i < 3; ++i) scene.add_origin(i), scene.add_bounds_min(float(i)), scene.add_bounds_max(float(i));
+  v1::Light& light = *scene.add_lights();
+  light.set_type(v1::LIGHT_TYPE_SPOT), light.set_range(2), light.set_inner_cone_angle(0.1f);
+  for (int i = 0; i < 3; ++i) light.add_position(1), light.add_direction(0), light.add_intensity(3);
+  const std::string good = scene.SerializeAsString();
+  std::mt19937_64 random(7);
+  int taken = 0;
+  for (int i = 0; i < 200000; ++i) {
+    std::string bytes = good;
+    for (uint64_t edits = 1 + random() % 2; edits > 0; --edits) {
+      const size_t at = random() % bytes.size(), count = 1 + random() % std::min<size_t>(6, bytes.size() - at);
+      if (random() % 2) bytes.insert(at, bytes.substr(at, count));
+      else bytes[at] = char(random() % 64);
+    }
+    v1::SceneHeader theirs;
+    const google::protobuf::LogSilencer silencer;
+    if (!parseStrictly(bytes, theirs) || theirs.origin_size() != 3 || theirs.bounds_min_size() != 3 || theirs.bounds_max_size() != 3) continue;
+    if (std::any_of(theirs.lights().begin(), theirs.lights().end(), [](const v1::Light& l) { return l.position_size() != 3 || l.direction_size() != 3 || l.intensity_size() != 3; })) continue;
+    ++taken;
+    SceneHeader header;
+    ASSERT_TRUE(parseSceneHeader(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(), header, nullptr, 0)) << theirs.ShortDebugString();
+  }
+  EXPECT_GT(taken, 1000);
 }
 
 }  // namespace
