@@ -13,12 +13,11 @@ namespace {
 using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 
-constexpr int kMostDepth = 16;  // the schema's is 3
-
-bool keepsTheRules(const Descriptor& type, std::string_view bytes, int depth);
+/// No message of the schema holds one of its own kind: its depth bounds the recursion.
+bool keepsTheRules(const Descriptor& type, std::string_view bytes);
 
 /// One occurrence, which `reader` is at. Sets the reader's failure, or returns false for a message inside that has one.
-bool check(WireReader& reader, const FieldDescriptor& field, int depth) {
+bool check(WireReader& reader, const FieldDescriptor& field) {
   uint32_t number = 0;
   uint64_t large = 0;
   float single = 0;
@@ -29,7 +28,7 @@ bool check(WireReader& reader, const FieldDescriptor& field, int depth) {
     case FieldDescriptor::TYPE_MESSAGE: {
       if (!field.is_repeated()) reader.read(text);
       else text = reader.bytes();
-      return keepsTheRules(*field.message_type(), text, depth + 1);
+      return keepsTheRules(*field.message_type(), text);
     }
     case FieldDescriptor::TYPE_STRING:
     case FieldDescriptor::TYPE_BYTES: field.is_repeated() ? void(reader.bytes()) : reader.read(text); break;
@@ -45,12 +44,11 @@ bool check(WireReader& reader, const FieldDescriptor& field, int depth) {
   return true;
 }
 
-bool keepsTheRules(const Descriptor& type, std::string_view bytes, int depth) {
-  if (depth > kMostDepth) return false;
+bool keepsTheRules(const Descriptor& type, std::string_view bytes) {
   WireReader reader(bytes);
   while (reader.next()) {
     const FieldDescriptor* field = reader.field() <= uint32_t(INT_MAX) ? type.FindFieldByNumber(int(reader.field())) : nullptr;
-    if (field && !check(reader, *field, depth)) return false;
+    if (field && !check(reader, *field)) return false;
   }
   return reader.ok();
 }
@@ -58,7 +56,7 @@ bool keepsTheRules(const Descriptor& type, std::string_view bytes, int depth) {
 }  // namespace
 
 bool parseStrictly(std::string_view bytes, google::protobuf::Message& message) {
-  return bytes.size() <= size_t(INT_MAX) && message.ParseFromArray(bytes.data(), int(bytes.size())) && keepsTheRules(*message.GetDescriptor(), bytes, 0);
+  return bytes.size() <= size_t(INT_MAX) && message.ParseFromArray(bytes.data(), int(bytes.size())) && keepsTheRules(*message.GetDescriptor(), bytes);
 }
 
 }  // namespace lightwell::format

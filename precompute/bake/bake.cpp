@@ -167,7 +167,7 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
       plan.prm = plan.prm_sky = plan.prm_probes = false;
       plan.omitted.push_back({"prm", "every texel lies inside or behind other surfaces"});
     } else if (const transport::EntryClusters& entries = baker->clusters(); entries.merged_clusters > 0) {
-      constexpr uint64_t kBytesPerCluster = 43;  // decoded: entry, place in the tree, two wavelets
+      constexpr uint64_t kBytesPerCluster = 39;  // decoded: its entry, its place in the tree, the units of three wavelets
       plan.omitted.push_back({"prm.unreached", "none of the lights that --moving-lights names reaches " + std::to_string(entries.merged_clusters) + " of " +
                                                    std::to_string(entries.cluster_count + entries.merged_clusters) + " entry points, for which their neighbours stand",
                               entries.merged_clusters * kBytesPerCluster});

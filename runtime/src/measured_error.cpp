@@ -78,7 +78,10 @@ using namespace lightwell::runtime;
 lw_result lw_count_measured_errors(const lw_container* container, const char* section, uint32_t* count) {
   if (!container || !count) return LW_INVALID_ARGUMENT;
   uint32_t found = 0;
-  const lw_result result = readErrors(*container, section, [&](uint32_t, const lightwell::format::MeasuredError&) { return ++found > 0; });
+  const lw_result result = readErrors(*container, section, [&](uint32_t, const lightwell::format::MeasuredError&) {
+    ++found;
+    return true;
+  });
   if (!result) *count = found;
   return result;
 }

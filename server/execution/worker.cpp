@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "precompute/bake/run.h"
+#include "precompute/core/sanitizer.h"
 #include "server/store/blob_store.h"
 #include "server/execution/framing.h"
 #include "server/execution/preview.h"
@@ -23,13 +24,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto kHeartbeat = std::chrono::milliseconds(500);
-
-// A sanitizer's shadow of all address space counts as allocated.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
 
 /// A process that nobody waits for any more, that shares the machine kindly, and that is the first to go when memory runs out.
 void becomeWorker(uint64_t memory_bytes) {
@@ -41,7 +35,7 @@ void becomeWorker(uint64_t memory_bytes) {
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   if (memory_bytes > 0 && !kSanitized) {
-    // Of what is really allocated: address space that Embree or TBB only reserve does not count.
+    // Of what is really allocated: address space that Embree or TBB only reserve does not count. A sanitizer's shadow of it does.
     const rlimit data{rlim_t(memory_bytes), rlim_t(memory_bytes)};
     setrlimit(RLIMIT_DATA, &data);
   }

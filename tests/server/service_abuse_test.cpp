@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "lightwell/v1/service.grpc.pb.h"
+#include "precompute/core/sanitizer.h"
 #include "server/store/sha256.h"
 #include "tests/server/service_fixture.h"
-#include "tests/support/sanitizer.h"
 
 namespace lightwell::test {
 namespace {

@@ -4,8 +4,8 @@
 #include <random>
 #include <thread>
 
+#include "precompute/core/sanitizer.h"
 #include "tests/server/service_fixture.h"
-#include "tests/support/sanitizer.h"
 
 namespace lightwell::test {
 namespace {

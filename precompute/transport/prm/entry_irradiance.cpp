@@ -31,8 +31,7 @@ std::vector<Rgb> clusterIrradiance(const PrmEntries& entries, const trace::Trace
       const float gain = light.type == scene::LightType::directional
                              ? 1.0f
                              : rectangleGain(light.position - entries.position[i], entries.normal[i], entries.half_u[i], entries.half_v[i]);
-      rays.push_back({.origin = trace::Tracer::offsetOrigin(entries.position[i], entries.normal[i], to_light), .direction = to_light,
-                      .t_max = distance * (1.0f - 1e-4f), .key = i});
+      rays.push_back(shadowRay(entries, i, to_light, distance));
       unshadowed.emplace_back(cluster, irradiance_rgb * (gain * entries.weight[i]));
     }
   std::vector<float> visibility(rays.size());

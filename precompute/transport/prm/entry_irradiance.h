@@ -8,6 +8,11 @@
 
 namespace lightwell::transport {
 
+/// The shadow ray of entry `i` towards a light in this direction (unit) and at this distance.
+inline trace::Ray shadowRay(const PrmEntries& entries, uint32_t i, const Vec3& to_light, float distance) {
+  return {.origin = trace::Tracer::offsetOrigin(entries.position[i], entries.normal[i], to_light), .direction = to_light, .t_max = distance * (1.0f - 1e-4f), .key = i};
+}
+
 /// Shadowed irradiance of one light, averaged over each cluster's entry points: one value per cluster. A light within a few lengths of an entry's rectangle
 /// is averaged over it: its flux there is its intensity times the solid angle that the rectangle fills (rectangleGain), so that rectangles side by side receive what
 /// the surface does, however close the light.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "precompute/core/parallel.h"
+#include "precompute/transport/prm/entry_irradiance.h"
 
 namespace lightwell::transport {
 namespace {
@@ -20,8 +21,7 @@ class Reach {
         Vec3 to_light;
         float distance;
         if (maxComponent(scene::lightIrradiance(prior.light, entries_.position[i], entries_.normal[i], to_light, distance)) <= 0) continue;
-        rays_.push_back({.origin = trace::Tracer::offsetOrigin(entries_.position[i], entries_.normal[i], to_light), .direction = to_light,
-                         .t_max = distance * (1.0f - 1e-4f), .key = i});
+        rays_.push_back(shadowRay(entries_, i, to_light, distance));
       }
     transmittance_.assign(rays_.size(), 0);
     tracer_.transmittance(rays_, transmittance_);

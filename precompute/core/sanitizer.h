@@ -1,7 +1,7 @@
-// Whether the tests run under AddressSanitizer or ThreadSanitizer, which take memory of their own for each byte.
+// Whether this is built with AddressSanitizer or ThreadSanitizer, which take memory of their own for each byte.
 #pragma once
 
-namespace lightwell::test {
+namespace lightwell {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kSanitized = true;
@@ -9,4 +9,4 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = false;
 #endif
 
-}  // namespace lightwell::test
+}  // namespace lightwell
