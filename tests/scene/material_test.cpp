@@ -219,6 +219,40 @@ TEST_F(Materials, DamagedAndForeignPicturesAreNamed) {
   EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, {'B', 'M', 0, 0})), HasSubstr("images[0]: is neither PNG nor JPEG nor WebP"));
 }
 
+/// A segment of a JPEG file.
+std::vector<uint8_t> segment(uint8_t marker, const std::vector<uint8_t>& parameters) {
+  std::vector<uint8_t> bytes = {0xFF, marker, uint8_t((parameters.size() + 2) >> 8), uint8_t(parameters.size() + 2)};
+  bytes.insert(bytes.end(), parameters.begin(), parameters.end());
+  return bytes;
+}
+
+/// A segment with one Huffman table of codes of eight and nine bits.
+std::vector<uint8_t> huffmanTable(uint8_t eight_bits, uint8_t nine_bits) {
+  std::vector<uint8_t> table(size_t(17 + eight_bits + nine_bits));
+  table[8] = eight_bits, table[9] = nine_bits;
+  return segment(0xC4, table);
+}
+
+std::vector<uint8_t> with(std::vector<uint8_t> bytes, std::ptrdiff_t at, const std::vector<uint8_t>& inserted) {
+  bytes.insert((at < 0 ? bytes.end() : bytes.begin()) + at, inserted.begin(), inserted.end());
+  return bytes;
+}
+
+TEST_F(Materials, HuffmanTablesHaveAtMost256Symbols) {
+  constexpr std::ptrdiff_t kFirst = 2, kAfterScan = -2;  // behind the start, before the end of the image
+  std::vector<uint8_t> behind_an_empty_table(34);
+  behind_an_empty_table[18] = 255, behind_an_empty_table[19] = 2;
+  for (const std::ptrdiff_t place : {kFirst, kAfterScan})
+    for (const auto& table : {huffmanTable(128, 129), segment(0xC4, behind_an_empty_table)})
+      EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, with(jpeg(100), place, table))), HasSubstr("images[0]: is a damaged picture: a Huffman table has more than 256 symbols"));
+  const std::vector<uint8_t> no_table = huffmanTable(255, 255);
+  EXPECT_EQ(load(surfaceAt(kTextured, 0, 0, with(jpeg(100), kFirst, segment(0xE1, no_table)))).textures.size(), 1u) << "what a camera notes is no table";
+  EXPECT_EQ(load(surfaceAt(kTextured, 0, 0, with(jpeg(100), kFirst, huffmanTable(0, 1)))).textures.size(), 1u) << "tables may come twice, the last counts";
+  std::vector<uint8_t> film = jpeg(100);
+  film.insert(film.end(), no_table.begin(), no_table.end());
+  EXPECT_EQ(load(surfaceAt(kTextured, 0, 0, film)).textures.size(), 1u) << "nobody reads behind the end of the image";
+}
+
 /// A PNG file of nothing but a header, which claims so many columns and rows.
 std::vector<uint8_t> claim(uint32_t columns, uint32_t rows) {
   std::vector<uint8_t> bytes = png();

@@ -7,6 +7,7 @@
 #include <climits>
 #include <memory>
 
+#include "precompute/scene/gltf/jpeg_tables.h"
 #include "precompute/scene/gltf/limits.h"
 
 // Only the two formats of glTF: what is not compiled cannot be attacked.
@@ -72,8 +73,12 @@ bool decodeStb(std::span<const uint8_t> bytes, uint64_t max_pixels, Image& image
 
 bool decodeImage(std::span<const uint8_t> bytes, uint64_t max_pixels, Image& image, std::string& reason) {
   if (isWebp(bytes)) return decodeWebp(bytes, max_pixels, image, reason);
-  if (startsWith(bytes, {0x89, 'P', 'N', 'G'}) || startsWith(bytes, {0xFF, 0xD8, 0xFF}))
-    return decodeStb(bytes, max_pixels, image, reason);
+  if (startsWith(bytes, {0x89, 'P', 'N', 'G'})) return decodeStb(bytes, max_pixels, image, reason);
+  if (startsWith(bytes, {0xFF, 0xD8, 0xFF})) {
+    if (jpegTablesFit(bytes)) return decodeStb(bytes, max_pixels, image, reason);
+    reason = "is a damaged picture: a Huffman table has more than 256 symbols";
+    return false;
+  }
   reason = "is neither PNG nor JPEG nor WebP";
   return false;
 }
