@@ -288,6 +288,19 @@ TEST_F(Geometry, SkinsAreBakedInTheRestPoseAndIgnoreTheirNode) {
   EXPECT_TRUE(warned("meshes[0].primitives[0]", "skin"));
 }
 
+TEST_F(Geometry, JointsAreThoseOfTheSkin) {
+  for (const float joint : {-1.0f, 1.0f, 1e20f}) {
+    GltfBuilder b;
+    Json primitive = b.triangle();
+    primitive["attributes"]["JOINTS_0"] = b.accessor<float>({0, 0, 0, 0, joint, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 4);
+    primitive["attributes"]["WEIGHTS_0"] = b.accessor<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    const size_t node = b.show(primitive);
+    b.add("skins", {{"joints", {node}}});
+    b.json["nodes"][node]["skin"] = 0;
+    EXPECT_THAT(errorOf(b), testing::HasSubstr("element 1 names a joint that the skin does not have"));
+  }
+}
+
 TEST_F(Geometry, MissingLightmapCoordinatesAreMarkedPerObject) {
   GltfBuilder b;
   b.show(b.triangle());

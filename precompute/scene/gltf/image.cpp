@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <climits>
+#include <cstdlib>
 #include <memory>
 
 #include "precompute/scene/gltf/jpeg_tables.h"
@@ -16,6 +17,10 @@
 #define STBI_NO_STDIO
 #define STBI_FAILURE_USERMSG
 #define STBI_MAX_DIMENSIONS 0x7fffffff  // ours is kMaxTextureSide, with a reason
+// Zeroed: a JPEG scan may name a Huffman table that the file has not defined, and stb_image of 2022 reads it all the same. Tables of zeros are in bounds, and the same each time.
+#define STBI_MALLOC(size) std::calloc(1, size)
+#define STBI_REALLOC(block, size) std::realloc(block, size)
+#define STBI_FREE(block) std::free(block)
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #include <stb/stb_image.h>

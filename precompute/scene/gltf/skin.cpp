@@ -39,8 +39,9 @@ void accumulate(Document& document, const JsonValue& attributes, const std::stri
   for (size_t i = 0; i < indices.values.size(); ++i) {
     const float weight = weights.values[i];
     if (weight <= 0) continue;
-    const auto joint = size_t(indices.values[i]);
-    if (joint >= joints.size()) joints_reference.fail("element " + std::to_string(i / 4) + " names a joint that the skin does not have");
+    const float index = indices.values[i];  // FLOAT and BYTE are no types of joints, but are read: they may be negative
+    if (!(index >= 0 && index < float(joints.size()))) joints_reference.fail("element " + std::to_string(i / 4) + " names a joint that the skin does not have");
+    const auto joint = size_t(index);
     for (int row = 0; row < 4; ++row)
       for (int column = 0; column < 4; ++column) blended[i / 4][row][column] += double(weight) * joints[joint][row][column];
     total_weight[i / 4] += double(weight);
