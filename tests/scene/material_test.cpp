@@ -245,6 +245,10 @@ TEST_F(Materials, HuffmanTablesHaveAtMost256Symbols) {
   for (const std::ptrdiff_t place : {kFirst, kAfterScan})
     for (const auto& table : {huffmanTable(128, 129), segment(0xC4, behind_an_empty_table)})
       EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, with(jpeg(100), place, table))), HasSubstr("images[0]: is a damaged picture: a Huffman table has more than 256 symbols"));
+  std::vector<uint8_t> cut = jpeg(100);
+  cut.resize(2);
+  for (const uint8_t byte : {0xFF, 0xC4, 1, 0, 0, 255, 255}) cut.push_back(byte);
+  EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, cut)), HasSubstr("more than 256 symbols")) << "counts that the file ends in";
   const std::vector<uint8_t> no_table = huffmanTable(255, 255);
   EXPECT_EQ(load(surfaceAt(kTextured, 0, 0, with(jpeg(100), kFirst, segment(0xE1, no_table)))).textures.size(), 1u) << "what a camera notes is no table";
   EXPECT_EQ(load(surfaceAt(kTextured, 0, 0, with(jpeg(100), kFirst, huffmanTable(0, 1)))).textures.size(), 1u) << "tables may come twice, the last counts";

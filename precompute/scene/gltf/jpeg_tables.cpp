@@ -1,5 +1,6 @@
 #include "precompute/scene/gltf/jpeg_tables.h"
 
+#include <algorithm>
 #include <numeric>
 #include <optional>
 
@@ -30,14 +31,14 @@ std::optional<uint8_t> nextMarker(std::span<const uint8_t> bytes, size_t& at, bo
   return std::nullopt;
 }
 
-/// @param rest    the file behind the segment's length: a table that claims more than its segment has is read from what follows
+/// @param rest    the file behind the segment's length: a table that claims more than its segment has is read from what follows, and zeros behind the end
 /// @param length  bytes of the segment's tables
 bool tablesFit(std::span<const uint8_t> rest, size_t length) {
-  for (size_t at = 0; at < length && rest.size() - at > kCodeLengths;) {
-    const auto counts = rest.subspan(at + 1, kCodeLengths);
+  for (size_t at = 0; at < length && at < rest.size();) {
+    const auto counts = rest.subspan(at + 1, std::min(kCodeLengths, rest.size() - at - 1));
     const auto symbols = std::accumulate(counts.begin(), counts.end(), size_t{0});
     if (symbols > kMostSymbols) return false;
-    if ((at += 1 + kCodeLengths + symbols) > rest.size()) break;
+    at += 1 + kCodeLengths + symbols;
   }
   return true;
 }
