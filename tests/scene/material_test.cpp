@@ -257,6 +257,37 @@ TEST_F(Materials, HuffmanTablesHaveAtMost256Symbols) {
   EXPECT_EQ(load(surfaceAt(kTextured, 0, 0, film)).textures.size(), 1u) << "nobody reads behind the end of the image";
 }
 
+/// The JPEG file with every segment of the marker made a note that no decoder reads.
+std::vector<uint8_t> without(uint8_t marker, std::vector<uint8_t> bytes) {
+  for (size_t at = 2; at + 3 < bytes.size() && bytes[at + 1] != 0xDA; at += 2 + (size_t(bytes[at + 2]) << 8 | bytes[at + 3]))
+    if (bytes[at + 1] == marker) bytes[at + 1] = 0xFE;
+  return bytes;
+}
+
+TEST_F(Materials, TablesThatJpegScansNameAreDefined) {
+  EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, without(0xC4, jpeg(100)))), HasSubstr("images[0]: is a damaged picture: a scan names a Huffman table that is not defined before it"));
+  EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, without(0xDB, jpeg(100)))), HasSubstr("a scan names a quantisation table that is not defined before it"));
+}
+
+TEST_F(Materials, ScansOfAProgressiveJpegNeedTheirTablesOnly) {
+  // One block of grey: the first coefficient with a Huffman table, a later bit of it without one, and the others with one of their own.
+  const std::vector<uint8_t> start = {0xFF, 0xD8}, end = {0xFF, 0xD9}, frame = {8, 0, 8, 0, 8, 1, 1, 0x11, 0};
+  std::vector<uint8_t> table(18, 0), ac_table(18, 0);  // one code of one bit: no difference, and the end of the block
+  table[1] = 1, ac_table[0] = 0x10, ac_table[1] = 1;
+  const std::vector<uint8_t> first = {1, 1, 0x00, 0, 0, 0x01}, later = {1, 1, 0x00, 0, 0, 0x10}, others = {1, 1, 0x00, 1, 63, 0x00}, coded = {0x7F};
+  auto file = [&](const std::vector<std::vector<uint8_t>>& parts) {
+    std::vector<uint8_t> bytes;
+    for (const auto& part : parts) bytes.insert(bytes.end(), part.begin(), part.end());
+    return bytes;
+  };
+  const auto dqt = segment(0xDB, std::vector<uint8_t>(65, 0)), sof = segment(0xC2, frame);
+  const auto whole = file({start, dqt, sof, segment(0xC4, table), segment(0xDA, first), coded, segment(0xDA, later), coded, segment(0xC4, ac_table), segment(0xDA, others), coded, end});
+  EXPECT_EQ(load(surfaceAt(kTextured, 0, 0, whole)).textures.size(), 1u);
+  const auto no_first = file({start, dqt, sof, segment(0xC4, ac_table), segment(0xDA, first), coded, end});
+  const auto no_others = file({start, dqt, sof, segment(0xC4, table), segment(0xDA, first), coded, segment(0xDA, others), coded, end});
+  for (const auto& bytes : {no_first, no_others}) EXPECT_THAT(errorOf(surfaceAt(kTextured, 0, 0, bytes)), HasSubstr("a scan names a Huffman table"));
+}
+
 /// A PNG file of nothing but a header, which claims so many columns and rows.
 std::vector<uint8_t> claim(uint32_t columns, uint32_t rows) {
   std::vector<uint8_t> bytes = png();

@@ -17,7 +17,7 @@
 #define STBI_NO_STDIO
 #define STBI_FAILURE_USERMSG
 #define STBI_MAX_DIMENSIONS 0x7fffffff  // ours is kMaxTextureSide, with a reason
-// Zeroed: a JPEG scan may name a Huffman table that the file has not defined, and stb_image of 2022 reads it all the same. Tables of zeros are in bounds, and the same each time.
+// Zeroed: stb_image of 2022 reads tables and planes of a damaged JPEG that nothing has written. Zeros are in bounds, and the same each time.
 #define STBI_MALLOC(size) std::calloc(1, size)
 #define STBI_REALLOC(block, size) std::realloc(block, size)
 #define STBI_FREE(block) std::free(block)
@@ -80,8 +80,9 @@ bool decodeImage(std::span<const uint8_t> bytes, uint64_t max_pixels, Image& ima
   if (isWebp(bytes)) return decodeWebp(bytes, max_pixels, image, reason);
   if (startsWith(bytes, {0x89, 'P', 'N', 'G'})) return decodeStb(bytes, max_pixels, image, reason);
   if (startsWith(bytes, {0xFF, 0xD8, 0xFF})) {
-    if (jpegTablesFit(bytes)) return decodeStb(bytes, max_pixels, image, reason);
-    reason = "is a damaged picture: a Huffman table has more than 256 symbols";
+    const std::string defect = jpegTableDefect(bytes);
+    if (defect.empty()) return decodeStb(bytes, max_pixels, image, reason);
+    reason = "is a damaged picture: " + defect;
     return false;
   }
   reason = "is neither PNG nor JPEG nor WebP";

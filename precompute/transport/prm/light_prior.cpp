@@ -87,7 +87,7 @@ std::vector<PriorLight> alongPaths(const scene::Scene& scene, const std::vector<
   const double place = length > 0 ? 0.1 * length / double(lines) : 1.0;
   for (const auto& path : paths)
     for (size_t i = 0; i < std::max<size_t>(1, path.size() - 1); ++i) {
-      const Segment& segment = segments.emplace_back(path[i], path[std::min(i + 1, path.size() - 1)]);
+      const Segment& segment = segments.emplace_back(Segment{path[i], path[std::min(i + 1, path.size() - 1)]});
       cumulative.push_back(total += std::max(double((segment.to - segment.from).length()), path.size() == 1 ? place : 0.0));
     }
   std::vector<PriorLight> lights;
