@@ -8,11 +8,13 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "cli/gl_handles.h"
 #include "cli/runtime_handles.h"
 #include "format/encode/reader.h"
+#include "lightwell/lightwell_prm_state.h"
 #include "render/egl_context.h"
 #include "render/gl_objects.h"
 #include "render/shadow_maps.h"
@@ -188,6 +190,15 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
   std::vector<float> scratch(lw_prm_scratch_bytes(prm.get()) / sizeof(float) + 1);
 
   const bool panes = info.layout == LW_PRM_PANES;
+  // The lamp that creeps, on the CPU: what has not changed stays.
+  lw_prm_state* raw_state = nullptr;
+  container.check(lw_prm_state_create(prm.get(), &raw_state));
+  const std::unique_ptr<lw_prm_state, decltype(&lw_prm_state_release)> state(raw_state, lw_prm_state_release);
+  std::vector<float> creeping_cluster_rgb[2] = {cluster_rgb, cluster_rgb}, kept_rgba(atlas_rgba.size());
+  for (int i : {0, 1}) {
+    container.check(lw_prm_entry_irradiance(prm.get(), &light[1][i].light, 1, nullptr, nullptr, entry_rgb.data()));
+    container.check(lw_prm_cluster_irradiance(prm.get(), entry_rgb.data(), creeping_cluster_rgb[i].data()));
+  }
   const auto entries =
       timeInTurn(options.repeats, {{[&] { relight(0), glFinish(); }}, {[&] {
                                      const lw_light& lamp = light[0][turn ^= 1].light;
@@ -213,7 +224,11 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
                            },
                            relit},
                           {[&] { relight(0), drawn(); }},
-                          {[&] { relight(1), drawn(); }, [&] { relight(1), drawn(); }}});
+                          {[&] { relight(1), drawn(); }, [&] { relight(1), drawn(); }},
+                          {[&] {
+                             container.check(lw_prm_state_update(state.get(), creeping_cluster_rgb[turn].data(), &prm_options, kept_rgba.data(), nullptr));
+                           },
+                           [&] { turn ^= 1; }}});
     const std::string what =
         panes ? (brightest ? "brightest " + std::to_string(brightest) + " of " : "all ") + std::to_string(info.clusters) + " panes"
               : "local bases";
@@ -232,6 +247,8 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
                     {"slow_frame_ratio_to_paper", medianRatio(evaluate[5], evaluate[1])},
                     {"entries_cpu_ms", median(entries[1])},
                     {"evaluate_cpu_ms", median(evaluate[2])},
+                    {"slow_update_cpu_ms", median(evaluate[6])},
+                    {"slow_update_ratio_to_evaluate_cpu", medianRatio(evaluate[6], evaluate[2])},
                     {"bytes_per_texel", bytesPerTexel(reader, info, brightest)},
                     {"shared_bytes_per_texel", sharedBytesPerTexel(reader, info)},
                     {"texture_bytes", lw_gl_prm_texture_bytes(gl_prm.get())},
@@ -257,7 +274,7 @@ void run(const Options& options) {
   }
   constexpr const char* kColumns[] = {"entries_gl_ms",          "evaluate_gl_ms", "coefficients_gl_ms", "paper_32_panes_gl_ms",
                                       "ratio_to_paper",         "frame_gl_ms",    "frame_ratio_to_paper", "slow_frame_gl_ms",   "slow_frame_ratio_to_paper",
-                                      "entries_cpu_ms",         "evaluate_cpu_ms", "bytes_per_texel",
+                                      "entries_cpu_ms",         "evaluate_cpu_ms", "slow_update_cpu_ms", "slow_update_ratio_to_evaluate_cpu", "bytes_per_texel",
                                       "shared_bytes_per_texel", "texture_bytes",  "paper_texture_bytes"};
   std::printf("container,what,atlas,texels");
   for (const char* column : kColumns) std::printf(",%s", column);

@@ -11,11 +11,13 @@
 #include "precompute/bake/sections.h"
 #include "precompute/bake/sky_tasks.h"
 #include "precompute/bake/vpl_tasks.h"
+#include "precompute/transport/prm/merge_unlinked.h"
 
 namespace lightwell::bake {
 namespace {
 
 constexpr int kZstdLevel = 9;
+constexpr uint64_t kBytesPerCluster = 39;  // decoded: its entry point, its place in the tree, the units of three wavelets
 
 v1::MetaHeader metaOf(const BakeContext& context, const std::vector<plan::Omitted>& omitted, const GraphOptions& options) {
   v1::MetaHeader header;
@@ -94,6 +96,13 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   SkyPanes sky;
   if (plan.prm) {
     prm = assemblePrm(parts.prm, parts.blocks.of(in), parts.emitter.of(in), parts.prm_probes.of(in));
+    if (const uint32_t merged = settings.keep_all ? 0 : transport::mergeUnlinkedClusters(*prm); merged > 0) {
+      v1::Omitted* out = meta.add_omitted();
+      out->set_type("prm.unlinked");
+      out->set_reason("what tells " + std::to_string(merged) + " of " + std::to_string(prm->entries.clusterCount() + merged) +
+                      " entry points from their neighbours changes no texel by a step, and one stands for them");
+      out->set_decoded_bytes(merged * kBytesPerCluster);
+    }
     in.cancel.check();
     if (const auto measured = measurePrm(context, *prm, parts.references.of(in), in.cancel)) addMeasuredError(meta, "prm", *measured);
     in.cancel.check();
@@ -167,7 +176,6 @@ BakeGraph makeBakeGraph(const BakeContext& context, const GraphOptions& options,
       plan.prm = plan.prm_sky = plan.prm_probes = false;
       plan.omitted.push_back({"prm", "every texel lies inside or behind other surfaces"});
     } else if (const transport::EntryClusters& entries = baker->clusters(); entries.merged_clusters > 0) {
-      constexpr uint64_t kBytesPerCluster = 39;  // decoded: its entry, its place in the tree, the units of three wavelets
       plan.omitted.push_back({"prm.unreached", "none of the lights that --moving-lights names reaches " + std::to_string(entries.merged_clusters) + " of " +
                                                    std::to_string(entries.cluster_count + entries.merged_clusters) + " entry points, for which their neighbours stand",
                               entries.merged_clusters * kBytesPerCluster});

@@ -1,4 +1,4 @@
-// The weighted sum of panes, or of local bases: irradiance at every texel of the atlas.
+// The weighted sum of panes, or of local bases: irradiance at every texel of the atlas, from light alone.
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include "format/decode/pixel.h"
 #include "runtime/src/container.h"
 #include "runtime/src/prm.h"
+#include "runtime/src/prm_reconstruct.h"
 
 namespace lightwell::runtime {
 
@@ -85,8 +86,6 @@ void addPane(const uint16_t* pane, uint32_t texels, const float* irradiance_rgb,
   }
 }
 
-float sane(float v) { return v > 0.0f ? std::min(v, FLT_MAX) : 0.0f; }
-
 /// A tile of texels at a time, so that the sums stay in the first-level cache while panes stream past.
 void evaluatePanes(const lw_prm& prm, const float* irradiance_rgb, const Weight* weights, uint32_t weight_count, const float* scale_rgb,
                    float* rgba) {
@@ -116,32 +115,7 @@ void evaluateLocalBases(const lw_prm& prm, const float* irradiance_rgb, float to
   memory.clear(prm);
   prm.tree.transform(irradiance_rgb, memory.wavelet_rgb);
   prm.links.update(memory.wavelet_rgb, tolerance, memory.applied_rgb, memory.sums, memory.touched);
-  for (uint32_t block = 0; block < prm.header.blocks; ++block) {
-    const uint32_t rank = prm.block_rank[block];
-    float* amount_rgb = memory.sums + block * prm.links.stride();
-    for (uint32_t i = 0; i < rank * 3; ++i) amount_rgb[i] *= prm.links.scale(block)[i];
-    for (uint32_t t = prm.block_first_texel[block]; t < prm.block_first_texel[block + 1]; ++t, basis += rank) {
-      float sum[3] = {};
-      for (uint32_t k = 0; k < rank; ++k) {
-        const float value = basisValue(basis[k]);
-        for (int c = 0; c < 3; ++c) sum[c] += value * amount_rgb[k * 3 + c];
-      }
-      float* texel = rgba + size_t(prm.texel[t]) * 4;
-      for (int c = 0; c < 3; ++c) texel[c] = sane(sum[c]);
-      texel[3] = 1.0f;
-    }
-  }
-}
-
-/// Adds a constant pane, times a factor per channel.
-void addConstant(const lw_prm& prm, const Array<uint32_t>& pane_rgb9e5, const float* factor_rgb, float* rgba) {
-  for (size_t i = 0; i < pane_rgb9e5.size(); ++i) {
-    const format::Float3 e = format::unpackRgb9e5(pane_rgb9e5[i]);
-    float* texel = rgba + size_t(prm.texel[i]) * 4;
-    texel[0] = sane(texel[0] + e.x * factor_rgb[0]);
-    texel[1] = sane(texel[1] + e.y * factor_rgb[1]);
-    texel[2] = sane(texel[2] + e.z * factor_rgb[2]);
-  }
+  for (uint32_t block = 0; block < prm.header.blocks; ++block) basis = reconstructBlock(prm, block, basis, memory.sums + block * prm.links.stride(), rgba);
 }
 
 }  // namespace
@@ -173,12 +147,7 @@ lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb
   } else {
     evaluateLocalBases(*prm, cluster_irradiance_rgb, options.tolerance, static_cast<float*>(scratch), atlas_rgba);
   }
-  const float once[3] = {1, 1, 1}, scale = prm->header.sky_scale;
-  const float sky_rgb[3] = {options.sky_rgb[0] * scale, options.sky_rgb[1] * scale, options.sky_rgb[2] * scale};
-  if (options.emitters & LW_EMITTERS_DIRECT) addConstant(*prm, prm->emitter_direct_rgb9e5, once, atlas_rgba);
-  if (options.emitters & LW_EMITTERS_INDIRECT) addConstant(*prm, prm->emitter_indirect_rgb9e5, once, atlas_rgba);
-  if (options.emitters & LW_SKY_DIRECT) addConstant(*prm, prm->sky_direct_rgb9e5, sky_rgb, atlas_rgba);
-  if (options.emitters & LW_SKY_INDIRECT) addConstant(*prm, prm->sky_indirect_rgb9e5, sky_rgb, atlas_rgba);
+  addConstants(*prm, options, 0, prm->header.texels, atlas_rgba);
   if (options.fill) fillFromSources(prm->source.data(), prm->source.size(), atlas_rgba);
   return LW_OK;
 }

@@ -11,6 +11,7 @@
 #include "lightwell/lightwell.h"
 #include "lightwell/lightwell_error.h"
 #include "lightwell/lightwell_prm_probes.h"
+#include "lightwell/lightwell_prm_state.h"
 #include "tests/fuzz/require.h"
 
 namespace lightwell::fuzz {
@@ -115,6 +116,7 @@ class Walk {
       require(result == LW_OK || result == LW_INVALID_ARGUMENT, "irradiance of texels");
       if (result == LW_OK)
         for (const float value : atlas) require(std::isfinite(value) && value >= 0, "irradiance of texels");
+      if (result == LW_OK && scratch.size() <= kMostLinks) frames(prm, options, clusters);
       if (lw_prm_probes* probes = nullptr; info.layout == LW_PRM_LOCAL_BASES && done(lw_prm_probes_load(container_, prm, &probes))) {
         lw_prm_probes_info known;
         lw_prm_probes_get_info(probes, &known);
@@ -126,6 +128,22 @@ class Walk {
       }
     }
     lw_prm_release(prm);
+  }
+  /// Light that comes and goes, into one atlas.
+  void frames(const lw_prm* prm, const lw_prm_options& options, std::vector<float> clusters) {
+    lw_prm_state* state = nullptr;
+    if (!done(lw_prm_state_create(prm, &state))) return;
+    lw_prm_info info;
+    lw_prm_get_info(prm, &info);
+    std::vector<float> atlas(4 * size_t(info.width) * info.height);
+    for (const float brighter : {1.0f, 1.0f, 0.0f, 2.0f}) {
+      for (size_t i = 0; i < clusters.size(); i += 2) clusters[i] *= brighter;
+      lw_prm_changes changes;
+      if (lw_prm_state_update(state, clusters.data(), &options, atlas.data(), &changes) != LW_OK) continue;
+      require(changes.first_row + changes.rows <= info.height && changes.texels <= info.width * info.height, "rows that have changed");
+      requireNumbers(atlas, "irradiance of texels from frame to frame");
+    }
+    lw_prm_state_release(state);
   }
   void lightmap() {
     lw_lightmap* map = nullptr;

@@ -2,6 +2,7 @@
 #include "lightwell/lightwell_gl_dynamic.h"
 #include "lightwell/lightwell_gl_vpl.h"
 #include "lightwell/lightwell_error.h"
+#include "lightwell/lightwell_prm_state.h"
 #include "lightwell/lightwell_prm_probes.h"
 #include "lightwell/lightwell_gl.h"
 #include "lightwell/lightwell.h"

@@ -1,0 +1,21 @@
+// Pieces of a plane that are rectangles.
+#pragma once
+#include <optional>
+#include <vector>
+
+namespace lightwell::transport {
+
+struct Point2 {
+  double x = 0, y = 0;
+};
+
+struct RectangleShape {
+  double angle = 0;       // of the first side, from the x axis
+  double proportion = 1;  // first side / second side
+};
+
+/// Of the rectangle of least area about the points (one of its sides lies along their convex hull: Freeman, Shapira, "Determining the Minimum-Area Encasing
+/// Rectangle for an Arbitrary Closed Curve"); nothing where it is more than a fiftieth larger than `area`: the piece is no rectangle then. Sorts `points`.
+std::optional<RectangleShape> rectangleAround(std::vector<Point2>& points, double area);
+
+}  // namespace lightwell::transport
