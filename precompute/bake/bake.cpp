@@ -96,7 +96,7 @@ Bytes encodeContainer(const BakeContext& context, const plan::Plan& plan, const 
   SkyPanes sky;
   if (plan.prm) {
     prm = assemblePrm(parts.prm, parts.blocks.of(in), parts.emitter.of(in), parts.prm_probes.of(in));
-    if (const uint32_t merged = settings.keep_all ? 0 : transport::mergeUnlinkedClusters(*prm); merged > 0) {
+    if (const uint32_t merged = settings.keep_all ? 0 : transport::mergeUnlinkedClusters(*context.tracer(), *prm); merged > 0) {
       v1::Omitted* out = meta.add_omitted();
       out->set_type("prm.unlinked");
       out->set_reason("what tells " + std::to_string(merged) + " of " + std::to_string(prm->entries.clusterCount() + merged) +

@@ -1,6 +1,8 @@
 // Entry points that nothing tells apart become one, and answers stay what they were.
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <memory>
 #include <numbers>
 
 #include "precompute/transport/prm/bake_prm.h"
@@ -15,6 +17,19 @@ namespace lightwell::transport {
 namespace {
 
 constexpr uint32_t kFirstNode = 4, kFirstDifference = 7;  // of four clusters' wavelets
+
+/// A floor, and what stands on it.
+std::unique_ptr<test::PreparedScene> floorWith(const std::function<void(test::SceneBuilder&, uint32_t material)>& things) {
+  test::SceneBuilder builder;
+  const uint32_t grey = builder.material(test::diffuse(0.5f));
+  builder.quad({-1, 0, -1}, {0, 0, 3}, {6, 0, 0}, grey);
+  things(builder, grey);
+  return std::make_unique<test::PreparedScene>(builder.take(), 32);
+}
+const test::PreparedScene& inTheOpen() {
+  static const auto scene = floorWith([](test::SceneBuilder&, uint32_t) {});
+  return *scene;
+}
 
 /// Four squares of a floor in a row from x = 0, in pairs, with one block of one texel that links `wavelets`.
 PrmResult fourSquares(std::vector<uint32_t> wavelets) {
@@ -45,7 +60,7 @@ PrmResult fourSquares(std::vector<uint32_t> wavelets) {
 /// The block's answer to light on the four, before and after; of merged ones the light must be even.
 void expectSameAnswer(PrmResult prm, const std::vector<Rgb>& before_rgb, const std::vector<Rgb>& after_rgb) {
   const Rgb before = evaluatePrm(prm, before_rgb)[0];
-  mergeUnlinkedClusters(prm);
+  mergeUnlinkedClusters(*inTheOpen().tracer, prm);
   ASSERT_EQ(prm.entries.clusterCount(), after_rgb.size());
   const Rgb after = evaluatePrm(prm, after_rgb)[0];
   EXPECT_GT(before.x, 0);
@@ -64,7 +79,7 @@ TEST(MergeUnlinked, KeepsAnswersToLightThatIsEvenOnWhatIsOne) {
 
 TEST(MergeUnlinked, OneRectangleStandsForMany) {
   PrmResult prm = fourSquares({kFirstNode});
-  EXPECT_EQ(mergeUnlinkedClusters(prm), 3u);
+  EXPECT_EQ(mergeUnlinkedClusters(*inTheOpen().tracer, prm), 3u);
   EXPECT_LT((prm.entries.position[0] - Vec3(2, 0, 0.5f)).length(), 1e-6f);
   EXPECT_LT((prm.entries.normal[0] - Vec3(0, 1, 0)).length(), 1e-6f);
   const Vec3 u = prm.entries.half_u[0], v = prm.entries.half_v[0];
@@ -77,7 +92,7 @@ TEST(MergeUnlinked, CornersStepsAndPiecesOfOtherShapesStayApart) {
   const auto mergedAfter = [](auto change) {
     PrmResult prm = fourSquares({kFirstNode});
     change(prm.entries);
-    return mergeUnlinkedClusters(prm);
+    return mergeUnlinkedClusters(*inTheOpen().tracer, prm);
   };
   EXPECT_EQ(mergedAfter([](PrmEntries&) {}), 3u);
   EXPECT_EQ(mergedAfter([](PrmEntries& e) { e.normal[1] = {0, 0.8f, 0.6f}, e.half_v[1] = {0, -0.3f, 0.4f}; }), 1u) << "another wall";
@@ -87,13 +102,25 @@ TEST(MergeUnlinked, CornersStepsAndPiecesOfOtherShapesStayApart) {
   EXPECT_EQ(mergedAfter([](PrmEntries& e) { e.half_u[1] = e.half_v[1] = Vec3(0.0f); }), 1u) << "a point has no area";
 }
 
+TEST(MergeUnlinked, WallsAndPolesPart) {
+  const auto mergedBeside = [](Vec3 corner, Vec3 side) {
+    const auto scene = floorWith([&](test::SceneBuilder& builder, uint32_t grey) { builder.quad(corner, {0, 1, 0}, side, grey); });
+    PrmResult prm = fourSquares({kFirstNode});
+    return mergeUnlinkedClusters(*scene->tracer, prm);
+  };
+  EXPECT_EQ(mergedBeside({2, 0, -1}, {0, 0, 3}), 2u) << "a wall between the pairs";
+  EXPECT_EQ(mergedBeside({2, 0, 0.45f}, {0, 0, 0.1f}), 2u) << "a pole in the middle of all";
+  EXPECT_EQ(mergedBeside({1, 0, 0.45f}, {0, 0, 0.1f}), 1u) << "a pole in the middle of a pair";
+  EXPECT_EQ(mergedBeside({2, 0.5f, 0}, {0, 0, 1}), 3u) << "a shelf higher up";
+}
+
 TEST(MergeUnlinked, WhatProbesLinkStays) {
   PrmResult prm = fourSquares({kFirstNode});
   prm.probes.block_rank = {1};
   prm.probes.link_wavelet = {kFirstDifference + 2};
   prm.probes.coefficient = {1, 2, 3};
   prm.probes.block_first_link = {0, 1};
-  EXPECT_EQ(mergeUnlinkedClusters(prm), 1u);
+  EXPECT_EQ(mergeUnlinkedClusters(*inTheOpen().tracer, prm), 1u);
   EXPECT_EQ(prm.probes.link_wavelet, std::vector<uint32_t>{differenceIndex(3, 1)});
   EXPECT_EQ(prm.bases.link_wavelet, std::vector<uint32_t>{meanIndex(3, 0)});
   EXPECT_EQ(prm.bases.tree.children(3).size(), 2u);
@@ -112,7 +139,7 @@ TEST(MergeUnlinked, AllLightOfALampStillArrivesInAClosedRoom) {
   const Bytes solved = baker.solve(views(one_bounce), views(training), {});
   const auto blocks = test::inRanges(baker.blockCount(), 16, 2, [&](uint32_t a, uint32_t b) { return baker.fit(a, b, solved); });
   PrmResult prm = baker.assemble(views(blocks), {});
-  const uint32_t before = prm.entries.clusterCount(), merged = mergeUnlinkedClusters(prm);
+  const uint32_t before = prm.entries.clusterCount(), merged = mergeUnlinkedClusters(*p.tracer, prm);
   EXPECT_GT(merged, before / 4);
   EXPECT_EQ(prm.entries.clusterCount(), before - merged);
   scene::Light lamp;

@@ -15,6 +15,8 @@ namespace {
 constexpr uint32_t kMostLeaves = 16;
 // Of a flat rectangle: how far normals differ at most, and how far its parts lie off its plane, in parts of its diagonal.
 constexpr float kFlatNormal = 0.9999f, kFlatOffset = 1e-3f;
+// The height, in parts of its side, above which what stands on a rectangle parts it.
+constexpr float kLowest = 0.02f;
 
 /// The entry point of a cluster.
 struct Entry {
@@ -26,8 +28,21 @@ struct Entry {
   }
 };
 
+/// Whether nothing stands on the surface between the middle of two rectangles and theirs: a wall, or a pole in the middle itself, where shadows are asked for.
+bool seesMiddle(const trace::Tracer& tracer, const Entry& a, const Entry& b, const Entry& both) {
+  const float height = kLowest * std::sqrt(both.area());
+  std::array<trace::Ray, 2> rays;
+  std::array<float, 2> transmittance{};
+  for (size_t i = 0; i < 2; ++i) {
+    const Entry& part = i ? b : a;
+    rays[i] = {.origin = part.position + part.normal * height, .direction = both.position - part.position, .t_max = 1.001f};
+  }
+  tracer.transmittance(rays, transmittance);
+  return transmittance[0] == 1 && transmittance[1] == 1;
+}
+
 /// The rectangle that two together are; nothing if they are none.
-std::optional<Entry> joined(const Entry& a, const Entry& b) {
+std::optional<Entry> joined(const trace::Tracer& tracer, const Entry& a, const Entry& b) {
   const float area = a.area() + b.area();
   if (!(a.area() > 0 && b.area() > 0) || a.normal.dot(b.normal) < kFlatNormal) return std::nullopt;
   Entry both;
@@ -50,6 +65,7 @@ std::optional<Entry> joined(const Entry& a, const Entry& b) {
   const float c = float(std::cos(shape->angle)), s = float(std::sin(shape->angle));
   both.half_u = (tangent * c + bitangent * s) * half_u;
   both.half_v = (bitangent * c - tangent * s) * half_v;
+  if (!seesMiddle(tracer, a, b, both)) return std::nullopt;
   return both;
 }
 
@@ -61,7 +77,7 @@ struct Merged {
 
 Entry entryOf(const PrmEntries& entries, uint32_t i) { return {entries.position[i], entries.normal[i], entries.half_u[i], entries.half_v[i]}; }
 
-Merged mergedSubtrees(const PrmEntries& entries, std::span<const WaveletTree::Children> children, const std::vector<char>& linked) {
+Merged mergedSubtrees(const trace::Tracer& tracer, const PrmEntries& entries, std::span<const WaveletTree::Children> children, const std::vector<char>& linked) {
   const uint32_t clusters = entries.clusterCount();
   Merged merged{std::vector<std::optional<Entry>>(children.size()), {}};
   std::vector<uint32_t> leaves(children.size());
@@ -74,7 +90,7 @@ Merged mergedSubtrees(const PrmEntries& entries, std::span<const WaveletTree::Ch
     leaves[n] = leavesOf(first) + leavesOf(second);
     if (leaves[n] > kMostLeaves || linked[differenceIndex(clusters, n)] || linked[meanIndex(clusters, first)] || linked[meanIndex(clusters, second)]) continue;
     const auto a = entry(first), b = entry(second);
-    if (a && b) merged.node[n] = joined(*a, *b);
+    if (a && b) merged.node[n] = joined(tracer, *a, *b);
   }
   std::vector<uint32_t> open = {clusters == 1 ? WaveletTree::kLeaf : 0};
   while (!open.empty()) {
@@ -116,7 +132,7 @@ void renumberLinks(std::span<const uint32_t> number, PrmBlocks& blocks) {
 
 }  // namespace
 
-uint32_t mergeUnlinkedClusters(PrmResult& prm) {
+uint32_t mergeUnlinkedClusters(const trace::Tracer& tracer, PrmResult& prm) {
   PrmLocalBases& bases = prm.bases;
   const uint32_t clusters = prm.entries.clusterCount();
   if (bases.block_rank.empty() || clusters < 2 || prm.entries.position.size() != clusters) return 0;
@@ -124,7 +140,7 @@ uint32_t mergeUnlinkedClusters(PrmResult& prm) {
   std::vector<char> linked(waveletCount(clusters), 0);
   for (const PrmBlocks* blocks : std::initializer_list<const PrmBlocks*>{&bases, &prm.probes})
     for (const uint32_t w : blocks->link_wavelet) linked[w] = 1;
-  const Merged merged = mergedSubtrees(prm.entries, children, linked);
+  const Merged merged = mergedSubtrees(tracer, prm.entries, children, linked);
   const uint32_t left = uint32_t(merged.cluster.size());
   if (left == clusters) return 0;
 
