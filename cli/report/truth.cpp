@@ -10,7 +10,6 @@ namespace {
 constexpr double kQuantile95 = 1.96;
 
 bool covered(const ImageRgba& image, size_t i) { return image.pixels[i][3] > 0.5f; }
-double signedRoot(double square) { return std::copysign(std::sqrt(std::abs(square)), square); }
 
 }  // namespace
 
@@ -35,19 +34,7 @@ void compareWith(const Truth& truth, const ImageRgba& map, Evaluated& e) {
   const transport::MapError error = transport::compareMaps(truth.first, map, &truth.second);
   e.texels = error.texels;
   e.relrmse = error.relrmse, e.texrel = error.texrel, e.bias = error.bias, e.p99 = error.p99, e.max = error.max;
-  double texels = 0, mean = 0, mean2 = 0, product = 0;
-  for (size_t i = 0; i < map.pixels.size(); ++i) {
-    if (!covered(truth.first, i) || !covered(map, i)) continue;
-    double square = 0;
-    for (size_t k = 0; k < 3; ++k) {
-      const double a = double(truth.first.pixels[i][k]), b = double(truth.second.pixels[i][k]), c = double(map.pixels[i][k]);
-      square += (c - a) * (c - b), product += a * b;
-    }
-    mean += square, mean2 += square * square, ++texels;
-  }
-  if (!(texels > 1) || !(product > 0)) return;
-  const double scatter = std::sqrt(std::max(mean2 - mean * mean / texels, 0.0) * texels / (texels - 1));  // of the sum
-  e.relrmse_low = signedRoot((mean - kQuantile95 * scatter) / product), e.relrmse_high = signedRoot((mean + kQuantile95 * scatter) / product);
+  e.relrmse_low = error.relrmse_low, e.relrmse_high = error.relrmse_high;
 }
 
 std::pair<int, int> worstTexel(const Truth& truth, const ImageRgba& map) {

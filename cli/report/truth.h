@@ -15,8 +15,7 @@ struct Truth {
 /// tell from 0 is 1.96 times that of the mean.
 void describeNoise(const Truth& truth, Reference& reference);
 
-/// The figures that `lightwell compare FIRST MAP --second-reference SECOND` prints, by the same code; and an interval of relrmse that the texels' scatter gives: mean ± 1.96 standard errors of
-/// (c − A)(c − B), roots with their sign.
+/// The figures that `lightwell compare FIRST MAP --second-reference SECOND` prints, by the same code, with the interval of relrmse.
 void compareWith(const Truth& truth, const ImageRgba& map, Evaluated& evaluated);
 
 /// The covered texel with the largest |c − r|, r the mean of the references: its column and row; (−1, −1) when nothing is covered.

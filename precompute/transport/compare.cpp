@@ -11,6 +11,7 @@ namespace lightwell::transport {
 namespace {
 
 constexpr double kDark = 0.1;         // of the mean: what a dark texel's error is measured against at least
+constexpr double kQuantile95 = 1.96;  // standard errors of a 95 % interval
 constexpr double kUnlitShare = 1e-4;  // of the mean: a texel is lit when the sum of its channels is above this
 
 bool isFiniteRgb(const std::array<float, 4>& p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
@@ -72,28 +73,33 @@ MapError compareMaps(const ImageRgba& reference, const ImageRgba& candidate, con
   }
   error.texels = compared.size();
   if (compared.empty()) {
-    error.relrmse = error.texrel = error.bias = error.p99 = error.max = std::numeric_limits<double>::infinity();
+    error.relrmse = error.relrmse_low = error.relrmse_high = error.texrel = error.bias = error.p99 = error.max = std::numeric_limits<double>::infinity();
     return error;
   }
 
   const double values = 3.0 * double(compared.size()), mean = reference_sum / values, rms = std::sqrt(reference_square_sum / values);
-  double square_sum = 0, weighted_square_sum = 0, greatest = 0;
+  double square_sum = 0, texel_square2_sum = 0, weighted_square_sum = 0, greatest = 0;
   std::vector<double> texel_error;
   for (const size_t i : compared) {
-    double texel_greatest = 0;
+    double texel_greatest = 0, texel_square = 0;
     for (int c = 0; c < 3; ++c) {
       const double a = reference.pixels[i][c], b = second.pixels[i][c], v = candidate.pixels[i][c], truth = 0.5 * (a + b);
       const double square = (v - a) * (v - b), scale = std::max(truth, 0.0) + kDark * mean;
-      square_sum += square;
+      texel_square += square;
       weighted_square_sum += square / (scale * scale);
       texel_greatest = std::max(texel_greatest, std::abs(v - truth));
     }
+    square_sum += texel_square, texel_square2_sum += texel_square * texel_square;
     texel_error.push_back(texel_greatest / rms);
     greatest = std::max(greatest, texel_greatest / rms);
   }
   // Against two references the sums estimate a square and may fall below zero; the sign is kept so that their mean stays unbiased.
-  error.relrmse = std::copysign(std::sqrt(std::abs(square_sum) / values), square_sum) / rms;
-  error.texrel = std::copysign(std::sqrt(std::abs(weighted_square_sum) / values), weighted_square_sum);
+  const auto signedRootOfMean = [&](double sum) { return std::copysign(std::sqrt(std::abs(sum) / values), sum); };
+  const double texels = double(compared.size());
+  const double spread = kQuantile95 * std::sqrt(std::max(texel_square2_sum - square_sum * square_sum / texels, 0.0) * texels / std::max(texels - 1, 1.0));
+  error.relrmse = signedRootOfMean(square_sum) / rms;
+  error.relrmse_low = signedRootOfMean(square_sum - spread) / rms, error.relrmse_high = signedRootOfMean(square_sum + spread) / rms;
+  error.texrel = signedRootOfMean(weighted_square_sum);
   error.bias = candidate_sum / reference_sum - 1.0;
   error.p99 = quantile(texel_error, 0.99);
   error.max = greatest;

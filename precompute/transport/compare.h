@@ -9,6 +9,7 @@ struct MapError {
   size_t missing = 0;     // covered in the reference only
   size_t nonfinite = 0, negative = 0;  // texels of the candidate
   double relrmse = 0;     // rms(c − r) / rms(r)
+  double relrmse_low = 0, relrmse_high = 0;  // 95 % interval from the texels' scatter: mean square ± 1.96 standard errors, roots with their sign
   double texrel = 0;      // sqrt(mean(((c − r) / (r + 0.1 mean r))²))
   double bias = 0;        // mean c / mean r − 1
   double p99 = 0;         // 99th percentile of |c − r| / rms(r)

@@ -22,6 +22,9 @@ TEST(CompareMaps, FollowsTheDefinitions) {
   EXPECT_EQ(error.texels, 4u);
   EXPECT_EQ(error.missing, 0u);
   EXPECT_NEAR(error.relrmse, std::sqrt((0.01 + 0.09) / 30), 1e-6);
+  const double spread = 1.96 * std::sqrt((0.01 * 0.01 + 0.09 * 0.09 - 0.1 * 0.1 / 4) * 4 / 3);  // of the sum of squares over four texels
+  EXPECT_NEAR(error.relrmse_high, std::sqrt((0.1 + spread) / 30), 1e-6);
+  EXPECT_NEAR(error.relrmse_low, -std::sqrt((spread - 0.1) / 30), 1e-6);
   EXPECT_NEAR(error.texrel, std::sqrt((0.01 / (1.25 * 1.25) + 0.09 / (3.25 * 3.25)) / 4), 1e-6);
   EXPECT_NEAR(error.bias, 9.8 / 10 - 1, 1e-6);
   EXPECT_NEAR(error.max, 0.3 / std::sqrt(30.0 / 4), 1e-6);
@@ -43,6 +46,7 @@ TEST(CompareMaps, LeavesOutUncoveredAndUnlitTexels) {
   EXPECT_EQ(error.texels, 2u);
   EXPECT_EQ(error.missing, 1u);
   EXPECT_EQ(error.relrmse, 0);
+  EXPECT_EQ(error.relrmse_high, 0) << "of the same texels";
 }
 
 TEST(CompareMaps, CountsWhatIsNotANumberAndWhatIsNegative) {
@@ -72,7 +76,11 @@ TEST(CompareMaps, TwoNoisyReferencesDropTheirOwnNoise) {
     c.pixels.push_back(noisy(3, 0.1f));
   }
   const double own = 0.1 / std::sqrt(3.0), reference = 0.15 / std::sqrt(3.0);
-  EXPECT_NEAR(compareMaps(a, c, &b).relrmse, own, 0.15 * own);
+  const MapError of_two = compareMaps(a, c, &b);
+  EXPECT_NEAR(of_two.relrmse, own, 0.15 * own);
+  EXPECT_LE(of_two.relrmse_low, own);
+  EXPECT_GE(of_two.relrmse_high, own);
+  EXPECT_LT(of_two.relrmse_high - of_two.relrmse_low, 0.1 * own);
   EXPECT_NEAR(compareMaps(a, c, &b).texrel, own / 1.1, 0.25 * own);
   EXPECT_NEAR(compareMaps(a, c).relrmse, std::hypot(own, reference) / std::sqrt(1 + reference * reference), 0.01);
 }
