@@ -82,6 +82,7 @@ void run(Session& session, Options& options) {
   checkWritable(options.output);
   resolve(options.bake);
   Console& console = session.console;
+  chooseLightmapSize(session, options.bake);
   Diagnostics run_diagnostics;
   const auto store = openStore(options, run_diagnostics);
   bake::Listener listener;

@@ -3,10 +3,13 @@
 #include <algorithm>
 
 #include <charconv>
+#include <cstdio>
 
 #include "cli/command.h"
 #include "precompute/plan/light_paths.h"
 #include "precompute/plan/probe_points.h"
+#include "precompute/plan/texel_density.h"
+#include "precompute/scene/import.h"
 
 namespace lightwell::cli {
 
@@ -18,6 +21,10 @@ void addBakeOptions(CLI::App& command, BakeOptions& options) {
       ->type_name("LIST")
       ->capture_default_str();
   addSceneSettings(command, options.request.settings);
+  command
+      .add_flag("--lightmap-size-by-error", options.lightmap_size_by_error,
+                "Choose --lightmap-size: the smallest power of two at which indirect light varies inside of texels by at most --target-error, about, as rays tell from how near surfaces are to one another")
+      ->excludes("--lightmap-size");
   command.add_option("--quality", options.quality, "draft (seconds), preview, or production")
       ->type_name("NAME")
       ->check(CLI::IsMember(plan::qualityNames()))
@@ -144,6 +151,7 @@ void resolve(BakeOptions& options) {
     checkReadable(*options.probes);
     settings.probe_points_m = plan::readProbePoints(*options.probes);
   }
+  if (options.lightmap_size_by_error && !options.request.target_error) throw UsageError("--lightmap-size-by-error: which error? --target-error says it");
   plan::checkPrm(settings);
   plan::checkRadiosity(settings);
   plan::checkLightmap(settings);
@@ -155,6 +163,23 @@ void resolve(BakeOptions& options) {
   if (!source.scene.empty()) checkReadable(source.scene);
   if (source.lights) checkReadable(*source.lights);
   if (source.environment) checkReadable(*source.environment);
+}
+
+void chooseLightmapSize(Session& session, BakeOptions& options) {
+  const bake::SceneSource& source = options.request.source;
+  if (!options.lightmap_size_by_error || source.scene.empty()) return;
+  plan::Settings& settings = options.request.settings;
+  session.console.progress("texels", "size of texels …");
+  Diagnostics told_by_the_bake;
+  const scene::Scene scene = scene::importGltf(source.scene, {.light_units = settings.light_units, .portals = settings.portals}, told_by_the_bake);
+  const double target = *options.request.target_error;
+  const plan::ChosenSize chosen = plan::chooseLightmapSize(scene, target, settings.seed, options.request.threads, &session.interrupt.flag());
+  settings.lightmap_size = chosen.size;
+  char text[160];
+  std::snprintf(text, sizeof text, "light map of %d x %d texels: inside of them indirect light varies by %.2g %% on the mean, at most", chosen.size, chosen.size, 100 * chosen.variation);
+  session.console.line(text);
+  if (chosen.variation > target)
+    session.console.warning({"", "no light map of up to " + std::to_string(plan::kMostChosenSize) + " x " + std::to_string(plan::kMostChosenSize) + " texels keeps that below --target-error; --lightmap-size makes larger ones"});
 }
 
 }  // namespace lightwell::cli

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/command.h"
 #include "precompute/bake/run.h"
 
 namespace lightwell::cli {
@@ -16,6 +17,7 @@ struct BakeOptions {
   std::optional<std::filesystem::path> probes;
   std::string moving_lights = "anywhere";
   bool no_geometry = false;
+  bool lightmap_size_by_error = false;
   std::string virtual_light = "auto";
   std::string prm_layout = "local-bases", prm_estimator = "gather";
 };
@@ -26,5 +28,8 @@ void addBakeOptions(CLI::App& command, BakeOptions& options);
 /// Completes `request` from the parsed words, and refuses what cannot work before any work is done: UsageError for settings that this
 /// version cannot bake, InputError for files that cannot be read.
 void resolve(BakeOptions& options);
+
+/// With --lightmap-size-by-error: chooses the light map's size from the scene and --target-error, and tells it. After resolve().
+void chooseLightmapSize(Session& session, BakeOptions& options);
 
 }  // namespace lightwell::cli

@@ -63,6 +63,7 @@ v1::JobSpec specOf(const Options& options, std::vector<server::LocalFile>& files
 void run(Session& session, Options& options) {
   if (options.output) checkWritable(*options.output);
   resolve(options.bake);
+  chooseLightmapSize(session, options.bake);
   server::Client client = connect(session, options.service);
   std::vector<server::LocalFile> files;
   const v1::JobSpec spec = specOf(options, files);

@@ -8,6 +8,8 @@
 #include "precompute/plan/light_paths.h"
 #include "precompute/plan/plan.h"
 #include "precompute/plan/probe_points.h"
+#include "precompute/plan/texel_density.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace lightwell::plan {
@@ -24,6 +26,22 @@ TEST(Plan, AutoBakesPrmAndExplainsTheRest) {
   EXPECT_TRUE(plan.prm && plan.prm_emitter && plan.atlas && plan.geometry);
   for (const char* type : {"lightmap", "vpl", "radiosity", "environment"}) EXPECT_TRUE(omits(plan, type)) << type;
   EXPECT_FALSE(omits(plan, "prm"));
+}
+
+TEST(TexelDensity, FollowsTheErrorAndNotTheUnitOfLength) {
+  const auto chosen = [](float scale, double target) { return chooseLightmapSize(test::closedBox(Vec3(1, 0.7f, 1.4f) * scale, test::diffuse(0.5f)), target, 1, 2, nullptr); };
+  ChosenSize last = chosen(1, 0.4);
+  EXPECT_LE(last.variation, 0.4);
+  for (const double target : {0.2, 0.1, 0.05}) {
+    const ChosenSize next = chosen(1, target);
+    EXPECT_LE(next.variation, target);
+    EXPECT_GT(next.size, last.size);
+    last = next;
+  }
+  const ChosenSize kilometres = chosen(1024, 0.1), metres = chosen(1, 0.1);
+  EXPECT_EQ(kilometres.size, metres.size);
+  EXPECT_NEAR(kilometres.variation, metres.variation, 1e-3);
+  EXPECT_EQ(chooseLightmapSize({}, 0.1, 1, 2, nullptr).size, kLeastChosenSize);
 }
 
 TEST(Plan, NoEmittersNoEmitterPanes) {

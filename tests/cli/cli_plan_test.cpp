@@ -50,6 +50,20 @@ TEST_F(CliPlanTest, ASkyThatNothingSeesIsLeftOutWithWhatItSaves) {
   EXPECT_GT(everything["rays"], report["rays"]);
 }
 
+TEST_F(CliPlanTest, TexelsAreAsSmallAsTheErrorAsks) {
+  const auto sizeFor = [&](const char* error) {
+    const Finished result = run({"bake", path("closed.gltf"), "-o", path("o.lwc"), "--quality", "draft", "--techniques", "lightmap", "--lightmap-size-by-error", "--target-error", error});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out + result.err, HasSubstr("inside of them indirect light varies by"));
+    return runJson({"info", path("o.lwc"), "--json"}, "info")["content"]["atlas"]["width"].get<int>();
+  };
+  const int coarse = sizeFor("0.4"), fine = sizeFor("0.1");
+  EXPECT_GE(coarse, 16);
+  EXPECT_GE(fine, 2 * coarse);
+  EXPECT_EQ(lightwell({"bake", path("closed.gltf"), "-o", path("o.lwc"), "--lightmap-size-by-error"}).exit_code, 2) << "which error?";
+  EXPECT_EQ(lightwell({"bake", path("closed.gltf"), "-o", path("o.lwc"), "--lightmap-size-by-error", "--lightmap-size", "64", "--target-error", "0.1"}).exit_code, 2);
+}
+
 TEST_F(CliPlanTest, LightsThatStayNeedOnlyALightMap) {
   bake("closed.gltf", {"--moving-lights", "none"});
   EXPECT_TRUE(has("lightmap"));
