@@ -151,6 +151,7 @@ void resolve(BakeOptions& options) {
     checkReadable(*options.probes);
     settings.probe_points_m = plan::readProbePoints(*options.probes);
   }
+  if (options.lightmap_size_by_error && options.request.source.scene.empty()) throw UsageError("--lightmap-size-by-error: there is no scene");
   if (options.lightmap_size_by_error && !options.request.target_error) throw UsageError("--lightmap-size-by-error: which error? --target-error says it");
   plan::checkPrm(settings);
   plan::checkRadiosity(settings);
@@ -167,7 +168,7 @@ void resolve(BakeOptions& options) {
 
 void chooseLightmapSize(Session& session, BakeOptions& options) {
   const bake::SceneSource& source = options.request.source;
-  if (!options.lightmap_size_by_error || source.scene.empty()) return;
+  if (!options.lightmap_size_by_error) return;
   plan::Settings& settings = options.request.settings;
   session.console.progress("texels", "size of texels …");
   Diagnostics told_by_the_bake;

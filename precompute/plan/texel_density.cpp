@@ -8,6 +8,7 @@ namespace lightwell::plan {
 
 ChosenSize chooseLightmapSize(const scene::Scene& scene, double target, uint64_t seed, int threads, const CancelFlag* cancel) {
   if (scene.mesh.triangles.empty()) return {kLeastChosenSize, 0};
+  const trace::Tracer tracer(scene, threads);  // unwrapping moves nothing
   for (int size = kLeastChosenSize;; size *= 2) {
     if (cancel) cancel->check();
     scene::Scene unwrapped = scene;
@@ -19,7 +20,6 @@ ChosenSize chooseLightmapSize(const scene::Scene& scene, double target, uint64_t
       if (size >= kMostChosenSize) throw;
       continue;  // too small for the charts
     }
-    const trace::Tracer tracer(unwrapped, threads);
     atlas::fillInvalid(atlas, unwrapped, tracer, seed, threads, cancel);
     const double variation = probeVariation(unwrapped, atlas, tracer, seed);
     if (variation <= target || size >= kMostChosenSize) return {size, variation};

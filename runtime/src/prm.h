@@ -78,6 +78,11 @@ inline float contribution(const float* irradiance_rgb, const float* pane_sum_rgb
 /// Finite and not negative.
 bool isIrradiance(const float* values, size_t count);
 
+/// Whether texels whose sums are equal look the same with both options.
+inline bool showTheSame(const lw_prm_options& a, const lw_prm_options& b) {
+  return a.emitters == b.emitters && a.fill == b.fill && std::memcmp(a.sky_rgb, b.sky_rgb, sizeof a.sky_rgb) == 0;
+}
+
 /// Options with their defaults; false when they are not valid.
 bool resolveOptions(const lw_prm_options* given, lw_prm_options& options);
 

@@ -46,12 +46,6 @@ bool listCopies(const lw_prm& prm, lw_prm_state& state) {
   return true;
 }
 
-/// Whether the atlas still shows what these options ask for wherever sums have not changed.
-bool keepsUntouched(const lw_prm_state& state, const lw_prm_options& options, const float* atlas_rgba) {
-  return state.atlas_rgba == atlas_rgba && state.options.emitters == options.emitters && state.options.fill == options.fill &&
-         std::memcmp(state.options.sky_rgb, options.sky_rgb, sizeof options.sky_rgb) == 0;
-}
-
 /// What was written, in rows.
 class Written {
  public:
@@ -153,7 +147,7 @@ lw_result lw_prm_state_update(lw_prm_state* state, const float* cluster_irradian
     if (!resolveOptions(given, options)) return prm.host.fail(LW_INVALID_ARGUMENT, "lw_prm_options: a value is out of range");
     if (!isIrradiance(cluster_irradiance_rgb, size_t(prm.header.clusters) * 3)) return prm.host.fail(LW_INVALID_ARGUMENT, "an irradiance is negative or not finite");
     state->sums.update(prm, cluster_irradiance_rgb, options.tolerance);
-    changed = keepsUntouched(*state, options, atlas_rgba) ? drawTouched(*state, options, atlas_rgba) : drawAll(*state, options, atlas_rgba);
+    changed = state->atlas_rgba == atlas_rgba && showTheSame(state->options, options) ? drawTouched(*state, options, atlas_rgba) : drawAll(*state, options, atlas_rgba);
     state->sums.forget(prm);
     state->atlas_rgba = atlas_rgba;
     state->options = options;

@@ -50,6 +50,18 @@ TEST_F(CliPlanTest, ASkyThatNothingSeesIsLeftOutWithWhatItSaves) {
   EXPECT_GT(everything["rays"], report["rays"]);
 }
 
+TEST_F(CliPlanTest, EntryPointsThatNoTexelTellsApartAreOne) {
+  const auto omits = [](const json& report) {
+    return std::any_of(report["omitted"].begin(), report["omitted"].end(), [](const json& o) { return o["type"] == "prm.unlinked" && o["decoded_bytes"] > 0; });
+  };
+  const auto clusters = [&] { return runJson({"info", path("o.lwc"), "--json"}, "info")["content"]["prm"]["clusters"].get<int>(); };
+  EXPECT_FALSE(omits(bake("closed.gltf", {"--techniques", "prm", "--keep-all"})));
+  const int all = clusters();
+  bake("closed.gltf", {"--techniques", "prm"});
+  EXPECT_THAT(run({"info", path("o.lwc")}).out, HasSubstr("without prm.unlinked: what tells"));
+  EXPECT_LT(clusters(), all);
+}
+
 TEST_F(CliPlanTest, TexelsAreAsSmallAsTheErrorAsks) {
   const auto sizeFor = [&](const char* error) {
     const Finished result = run({"bake", path("closed.gltf"), "-o", path("o.lwc"), "--quality", "draft", "--techniques", "lightmap", "--lightmap-size-by-error", "--target-error", error});

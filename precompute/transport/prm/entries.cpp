@@ -78,10 +78,8 @@ void appendRectangle(std::span<const Member> members, const Vec3& centroid, floa
   const double least = std::max(1e-4 * (middle + spread), middle - spread);  // slivers stay rectangles
   RectangleShape shape{0.5 * std::atan2(2 * uv, uu - vv), least > 0 ? std::sqrt((middle + spread) / least) : 1.0};
   if (const auto rectangle = rectangleAround(outline, area)) shape = *rectangle;
-  const float half_u = float(std::sqrt(0.25 * area * shape.proportion)), half_v = float(std::sqrt(0.25 * area / shape.proportion));
-  const float c = float(std::cos(shape.angle)), s = float(std::sin(shape.angle));
-  entries.half_u.push_back((tangent * c + bitangent * s) * half_u);
-  entries.half_v.push_back((bitangent * c - tangent * s) * half_v);
+  const auto [half_u, half_v] = halfSides(shape, area, tangent, bitangent);
+  entries.half_u.push_back(half_u), entries.half_v.push_back(half_v);
 }
 
 /// One entry point for a piece of surface: the point of it next to its centroid, which makes the average of irradiance second-order accurate on

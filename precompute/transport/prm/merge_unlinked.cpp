@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <tuple>
 
 #include "precompute/transport/prm/rectangle.h"
 
@@ -61,10 +62,7 @@ std::optional<Entry> joined(const trace::Tracer& tracer, const Entry& a, const E
   if (offset > kFlatOffset * reach) return std::nullopt;
   const auto shape = rectangleAround(outline, area);
   if (!shape) return std::nullopt;
-  const float half_u = float(std::sqrt(0.25 * area * shape->proportion)), half_v = float(std::sqrt(0.25 * area / shape->proportion));
-  const float c = float(std::cos(shape->angle)), s = float(std::sin(shape->angle));
-  both.half_u = (tangent * c + bitangent * s) * half_u;
-  both.half_v = (bitangent * c - tangent * s) * half_v;
+  std::tie(both.half_u, both.half_v) = halfSides(*shape, area, tangent, bitangent);
   if (!seesMiddle(tracer, a, b, both)) return std::nullopt;
   return both;
 }

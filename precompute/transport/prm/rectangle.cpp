@@ -41,4 +41,10 @@ std::optional<RectangleShape> rectangleAround(std::vector<Point2>& points, doubl
   return shape;
 }
 
+std::pair<Vec3, Vec3> halfSides(const RectangleShape& shape, double area, const Vec3& tangent, const Vec3& bitangent) {
+  const float half_u = float(std::sqrt(0.25 * area * shape.proportion)), half_v = float(std::sqrt(0.25 * area / shape.proportion));
+  const float c = float(std::cos(shape.angle)), s = float(std::sin(shape.angle));
+  return {(tangent * c + bitangent * s) * half_u, (bitangent * c - tangent * s) * half_v};
+}
+
 }  // namespace lightwell::transport

@@ -95,9 +95,7 @@ lw_result updateCoefficients(lw_gl_prm& prm, float tolerance) {
 
 /// Whether the atlas still shows what these options ask for wherever sums have not changed.
 bool keepsUntouched(const lw_gl_prm& prm, const lw_prm_options& options) {
-  const lw_prm_options& drawn = prm.drawn_options;
-  return prm.owns_atlas && prm.drawn && drawn.emitters == options.emitters && drawn.fill == options.fill &&
-         std::memcmp(drawn.sky_rgb, options.sky_rgb, sizeof options.sky_rgb) == 0;
+  return prm.owns_atlas && prm.drawn && showTheSame(prm.drawn_options, options);
 }
 
 void reconstruct(lw_gl_prm& prm, const lw_prm_options& options) {
