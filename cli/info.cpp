@@ -21,7 +21,7 @@ const char* elementName(const format::ChunkInfo& chunk) {
   return chunk.decodable ? kNames[int(chunk.element)] : "unknown";
 }
 const char* codecName(const format::ChunkInfo& chunk) {
-  static constexpr const char* kNames[] = {"", "raw", "zstd", "zstd_planes", "zstd_delta_planes"};
+  static constexpr const char* kNames[] = {"", "raw", "zstd", "zstd_planes", "zstd_delta_planes", "rans"};
   return chunk.decodable ? kNames[int(chunk.codec)] : "unknown";
 }
 

@@ -106,9 +106,10 @@ void run(const Options& options) {
 
   std::vector<uint32_t> slots;
   for (uint32_t i = 0; i < options.texels; ++i) slots.push_back(uint32_t(mixBits(combineKeys(settings.seed, i)) % atlas.slots.size()));
+  const transport::HemisphereBundle bundle = gatherer.bundle(options.rays, 0);
   std::vector<trace::Ray> rays;
   for (const uint32_t slot : slots)
-    for (const auto& ray : gatherer.sideRays(slot, options.rays)) rays.push_back(ray);
+    for (const auto& ray : gatherer.rays(slot, bundle)) rays.push_back(ray);
   std::vector<trace::Hit> hits(rays.size());
   tracer.closest(rays, hits);
   // Shadow rays: the first half of the way to the hits and beyond them, so that half of them are blocked.
@@ -164,14 +165,14 @@ void run(const Options& options) {
                                   {"sampling rays, untraced",
                                    [&](int n) {
                                      return secondsPerThread(n, slots.size(), [&](size_t begin, size_t end) {
-                                       for (size_t i = begin; i < end; ++i) gatherer.sideRays(slots[i], options.rays);
+                                       for (size_t i = begin; i < end; ++i) gatherer.rays(slots[i], bundle);
                                      });
                                    },
                                    {}},
                                   {"gathering (PRM bake)",
                                    [&](int n) {
                                      return secondsPerThread(n, slots.size(), [&](size_t begin, size_t end) {
-                                       for (size_t i = begin; i < end; ++i) gatherer.side(slots[i], options.rays);
+                                       for (size_t i = begin; i < end; ++i) gatherer.hits(slots[i], bundle);
                                      });
                                    },
                                    {}}});

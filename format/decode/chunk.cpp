@@ -1,4 +1,4 @@
-// View::decode: stored bytes → checksum → zstd → planes → differences.
+// View::decode: stored bytes → checksum → zstd → planes → differences; or → tables → RANS.
 #define ZSTD_STATIC_LINKING_ONLY  // a decompression context in memory of the caller's allocator
 #include <zstd.h>
 
@@ -8,6 +8,7 @@
 
 #include "format/decode/checksum.h"
 #include "format/decode/endian.h"
+#include "format/decode/rans.h"
 #include "format/decode/view.h"
 
 namespace lightwell::format {
@@ -68,6 +69,17 @@ void toHostOrder(uint8_t* elements, size_t bytes, size_t element_bytes) {
     for (size_t i = 0; i < bytes; i += element_bytes) std::reverse(elements + i, elements + i + element_bytes);
 }
 
+/// A zstd context in memory of the View's allocator.
+struct Decompressor {
+  explicit Decompressor(const Allocator& allocator) : memory{allocator} {
+    const size_t bytes = ZSTD_estimateDCtxSize();
+    if (void* scratch = memory.allocate(bytes)) context = ZSTD_initStaticDCtx(scratch, bytes), misaligned = !context;
+  }
+  Scratch memory;
+  ZSTD_DCtx* context = nullptr;
+  bool misaligned = false;
+};
+
 /// The stored bytes must be exactly one zstd frame without dictionary that declares exactly `raw_bytes`.
 bool isSingleFrame(const uint8_t* stored, size_t stored_bytes, size_t raw_bytes) {
   return stored_bytes >= 4 && loadLittle<uint32_t>(stored) == ZSTD_MAGICNUMBER &&
@@ -102,16 +114,29 @@ Fault View::decode(const ChunkInfo& chunk, void* destination, size_t bytes) cons
     toHostOrder(out, bytes, element_bytes);
     return {};
   }
+  Decompressor zstd(allocator_);
+  if (zstd.misaligned) return chunkFault(chunk, Status::invalid_argument, "the allocator's memory is not aligned");
+  if (!zstd.context) return chunkFault(chunk, Status::out_of_memory, "no memory to decompress");
+  if (chunk.codec == Codec::rans) {
+    const size_t frame_bytes = stored_bytes >= 4 ? loadLittle<uint32_t>(stored) : 0;
+    if (stored_bytes < 4 || frame_bytes > stored_bytes - 4 || !isSingleFrame(stored + 4, frame_bytes, rans::kTableBytes))
+      return chunkFault(chunk, Status::bad_chunk, "its tables are not one zstd frame of their size");
+    Scratch plane_scratch{allocator_}, slot_scratch{allocator_};
+    uint8_t* planes = plane_scratch.allocate(rans::kTableBytes);
+    auto* slots = reinterpret_cast<uint32_t*>(slot_scratch.allocate(rans::kSlots * sizeof(uint32_t)));
+    if (!planes || !slots) return chunkFault(chunk, Status::out_of_memory, "no memory for its tables");
+    bool used[rans::kContexts];
+    if (ZSTD_decompressDCtx(zstd.context, planes, rans::kTableBytes, stored + 4, frame_bytes) != rans::kTableBytes || !rans::makeSlots(planes, slots, used))
+      return chunkFault(chunk, Status::bad_chunk, "its tables are damaged");
+    const uint8_t* streams = stored + 4 + frame_bytes;
+    return rans::decode(streams, stored_bytes - 4 - frame_bytes, slots, used, out, bytes) ? Fault{} : chunkFault(chunk, Status::bad_chunk, "its streams are damaged");
+  }
   if (!isSingleFrame(stored, stored_bytes, bytes))
     return chunkFault(chunk, Status::bad_chunk, "not one zstd frame of the size that the shape gives");
-  Scratch plane_scratch{allocator_}, context_scratch{allocator_};
+  Scratch plane_scratch{allocator_};
   uint8_t* unpacked = element_bytes > 1 && chunk.codec != Codec::zstd ? plane_scratch.allocate(bytes) : out;
-  const size_t context_bytes = ZSTD_estimateDCtxSize();
-  void* context_memory = context_scratch.allocate(context_bytes);
-  if (!unpacked || !context_memory) return chunkFault(chunk, Status::out_of_memory, "no memory to decompress");
-  ZSTD_DCtx* context = ZSTD_initStaticDCtx(context_memory, context_bytes);
-  if (!context) return chunkFault(chunk, Status::invalid_argument, "the allocator's memory is not aligned");
-  if (ZSTD_decompressDCtx(context, unpacked, bytes, stored, stored_bytes) != bytes)
+  if (!unpacked) return chunkFault(chunk, Status::out_of_memory, "no memory to decompress");
+  if (ZSTD_decompressDCtx(zstd.context, unpacked, bytes, stored, stored_bytes) != bytes)
     return chunkFault(chunk, Status::bad_chunk, "zstd cannot decompress it");
   if (chunk.codec == Codec::zstd) toHostOrder(out, bytes, element_bytes);
   else decodeElements(chunk.codec, element_bytes, unpacked, out, bytes / element_bytes);

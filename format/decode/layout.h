@@ -29,7 +29,7 @@ inline constexpr uint64_t kMaxExpansion = 32768;    // raw_bytes / stored_bytes:
 
 // Same values as lightwell.v1.ElementType and lightwell.v1.Codec (a test compares them).
 enum class ElementType : uint8_t { bytes = 1, u8, i8, u16, i16, u32, f16, f32, rgb9e5 };
-enum class Codec : uint8_t { raw = 1, zstd, zstd_planes, zstd_delta_planes };
+enum class Codec : uint8_t { raw = 1, zstd, zstd_planes, zstd_delta_planes, rans };
 
 /// Bytes of one element; 0 for a value that this version does not know.
 constexpr size_t elementBytes(ElementType type) {
@@ -41,12 +41,13 @@ constexpr size_t elementBytes(ElementType type) {
   return 0;
 }
 constexpr bool isInteger(ElementType type) { return type >= ElementType::u8 && type <= ElementType::u32; }
-/// Which codec may store which element: planes need more than one byte, differences need integers.
+/// Which codec may store which element: planes need more than one byte, differences need integers, RANS needs single bytes.
 constexpr bool codecAllowed(Codec codec, ElementType type) {
   switch (codec) {
     case Codec::raw: case Codec::zstd: return elementBytes(type) != 0;
     case Codec::zstd_planes: return elementBytes(type) > 1;
     case Codec::zstd_delta_planes: return isInteger(type);
+    case Codec::rans: return elementBytes(type) == 1;
   }
   return false;
 }

@@ -62,7 +62,7 @@ bool parseChunk(std::string_view message, ChunkInfo& chunk) {
   if (!reader.ok() || !validName(chunk.section) || !validName(chunk.name) || element == 0 || codec == 0) return false;
   chunk.element = ElementType(std::min(element, 255u));
   chunk.codec = Codec(std::min(codec, 255u));
-  chunk.decodable = elementBytes(chunk.element) != 0 && chunk.codec <= Codec::zstd_delta_planes;
+  chunk.decodable = elementBytes(chunk.element) != 0 && chunk.codec <= Codec::rans;
   return !chunk.decodable || codecAllowed(chunk.codec, chunk.element);
 }
 
@@ -76,7 +76,7 @@ Status sizeChunk(ChunkInfo& chunk) {
   if (!chunk.decodable) return Status::ok;
   if (!multiply(chunk.elements, elementBytes(chunk.element), chunk.raw_bytes)) return Status::bad_directory;
   if (chunk.codec == Codec::raw) return chunk.stored_bytes == chunk.raw_bytes ? Status::ok : Status::bad_chunk;
-  // An empty chunk is stored raw; and no zstd frame holds more than kMaxExpansion times its own size.
+  // An empty chunk is stored raw; and nothing holds more than kMaxExpansion times its own size: no zstd frame can.
   if (chunk.raw_bytes == 0 || (chunk.raw_bytes - 1) / kMaxExpansion >= chunk.stored_bytes) return Status::bad_chunk;
   return Status::ok;
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "format/decode/endian.h"
+#include "format/encode/rans_encode.h"
 
 namespace lightwell::format {
 namespace {
@@ -28,6 +29,17 @@ std::vector<uint8_t> compress(std::span<const uint8_t> data, int level) {
   if (ZSTD_isError(size)) throw std::runtime_error(std::string("zstd: ") + ZSTD_getErrorName(size));
   stored.resize(size);
   stored.shrink_to_fit();
+  return stored;
+}
+
+/// The size of the frame of tables, the frame, the streams.
+std::vector<uint8_t> compressRans(std::span<const uint8_t> data, int level) {
+  const rans::Encoded encoded = rans::encode(data);
+  const std::vector<uint8_t> tables = compress(encoded.planes, level);
+  std::vector<uint8_t> stored(4);
+  storeLittle(stored.data(), uint32_t(tables.size()));
+  stored.insert(stored.end(), tables.begin(), tables.end());
+  stored.insert(stored.end(), encoded.streams.begin(), encoded.streams.end());
   return stored;
 }
 
@@ -67,6 +79,7 @@ std::vector<uint8_t> encodeWith(Codec codec, ElementType element, std::span<cons
                                                               : differences<uint32_t>(data);
       return compress(splitPlanes(steps, element_bytes), zstd_level);
     }
+    case Codec::rans: return compressRans(data, zstd_level);
   }
   return {data.begin(), data.end()};
 }
@@ -75,10 +88,10 @@ Encoded encodeSmallest(ElementType element, std::span<const uint8_t> data, int z
   Encoded best;
   size_t smallest = data.size();
   if (!data.empty())
-    for (const Codec codec : {Codec::zstd, Codec::zstd_planes, Codec::zstd_delta_planes}) {
+    for (const Codec codec : {Codec::zstd, Codec::zstd_planes, Codec::zstd_delta_planes, Codec::rans}) {
       if (!codecAllowed(codec, element)) continue;
       std::vector<uint8_t> stored = encodeWith(codec, element, data, kChoiceLevel);
-      if (stored.size() >= smallest) continue;
+      if (stored.size() >= smallest || (data.size() - 1) / kMaxExpansion >= stored.size()) continue;
       smallest = stored.size();
       best = {codec, std::move(stored)};
     }

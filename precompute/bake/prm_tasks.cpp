@@ -83,7 +83,9 @@ transport::PrmSettings prmSettings(const plan::Settings& settings, const scene::
       prm.cluster_rays = 128, prm.bases.rays = 256, prm.training_lights = 288, prm.emitter_samples = 32;
       prm.bases.rank_error = 0.15f, prm.bases.wavelet_step = 0.015f, prm.probe_rays = 2048;
       break;
-    case plan::Quality::production: break;  // the estimator's defaults
+    case plan::Quality::production:  // the estimator's defaults, which are made for local bases
+      if (settings.prm_layout == plan::PrmLayout::panes) prm.entries.groups = 1024, prm.cluster_rays = 256, prm.bases.rays = 768;
+      break;
   }
   if (settings.moving_lights == plan::MovingLights::lamps) prm.bases.wavelet_step *= kFixedLampsStepShare;
   const float factor = std::exp2(float(settings.refinement));

@@ -19,8 +19,9 @@ KNOWN_SECTIONS = {name: 1 for name in ("meta", "scene", "geometry", "atlas", "pr
 BYTES, U8, I8, U16, I16, U32, F16, F32, RGB9E5 = range(1, 10)
 ELEMENT_NAMES = ["", "BYTES", "U8", "I8", "U16", "I16", "U32", "F16", "F32", "RGB9E5"]
 ELEMENT_BYTES = [0, 1, 1, 1, 2, 2, 4, 2, 4, 4]
-RAW, ZSTD, ZSTD_PLANES, ZSTD_DELTA_PLANES = range(1, 5)
-CODEC_NAMES = ["", "RAW", "ZSTD", "ZSTD_PLANES", "ZSTD_DELTA_PLANES"]
+RAW, ZSTD, ZSTD_PLANES, ZSTD_DELTA_PLANES, RANS = range(1, 6)
+CODEC_NAMES = ["", "RAW", "ZSTD", "ZSTD_PLANES", "ZSTD_DELTA_PLANES", "RANS"]
+RANS_PARTS, RANS_WINDOW, RANS_CONTEXTS, RANS_SCALE = 4, 16, 23, 4096
 
 
 class ContainerError(Exception):
@@ -100,6 +101,8 @@ def codec_allowed(codec, element):
         return ELEMENT_BYTES[element] in (2, 4)
     if codec == ZSTD_DELTA_PLANES:
         return element in (U8, I8, U16, I16, U32)
+    if codec == RANS:
+        return ELEMENT_BYTES[element] == 1
     return True
 
 
@@ -168,7 +171,7 @@ class Container:
         need(chunk.section in self.sections, "of a section that is not there")
         need(_is_name(chunk.name) and chunk.name not in self.sections[chunk.section].chunks, "its name")
         need(chunk.element != 0 and chunk.codec != 0, "element or codec is 0")
-        chunk.decodable = chunk.element <= RGB9E5 and chunk.codec <= ZSTD_DELTA_PLANES
+        chunk.decodable = chunk.element <= RGB9E5 and chunk.codec <= RANS
         need(not chunk.decodable or codec_allowed(chunk.codec, chunk.element), "the codec may not hold such elements")
         need(len(chunk.shape) <= MAX_RANK, "more than 4 extents")
         elements = 1
@@ -201,14 +204,25 @@ class Container:
         if chunk.codec == RAW:
             return stored
         need = lambda good, reason: _need(good, "bad_chunk", chunk.place, reason)
+        if chunk.codec == RANS:
+            need(len(stored) >= 4, "no size of its tables")
+            end = 4 + struct.unpack_from("<I", stored)[0]
+            need(end <= len(stored), "its tables leave it")
+            tables = _rans_tables(_from_planes(self._frame(stored[4:end], RANS_CONTEXTS * 512, need), 2, False), need)
+            return _from_rans(stored[end:], tables, chunk.raw_bytes, need)
+        raw = self._frame(stored, chunk.raw_bytes, need)
+        return raw if chunk.codec == ZSTD else _from_planes(raw, ELEMENT_BYTES[chunk.element], chunk.codec == ZSTD_DELTA_PLANES)
+
+    @staticmethod
+    def _frame(stored, raw_bytes, need):
+        """What the one Zstandard frame holds that `stored` must be."""
         need(stored[:4] == b"\x28\xb5\x2f\xfd", "no Zstandard frame")
-        need(_zstd.ZSTD_getFrameContentSize(stored, len(stored)) == chunk.raw_bytes, "the frame states another size, or none")
+        need(_zstd.ZSTD_getFrameContentSize(stored, len(stored)) == raw_bytes, "the frame states another size, or none")
         need(_zstd.ZSTD_getDictID_fromFrame(stored, len(stored)) == 0, "needs a dictionary")
         need(_zstd.ZSTD_findFrameCompressedSize(stored, len(stored)) == len(stored), "not exactly one frame")
-        buffer = ctypes.create_string_buffer(chunk.raw_bytes)
-        need(_zstd.ZSTD_decompress(buffer, chunk.raw_bytes, stored, len(stored)) == chunk.raw_bytes, "does not decode")
-        raw = buffer.raw
-        return raw if chunk.codec == ZSTD else _from_planes(raw, ELEMENT_BYTES[chunk.element], chunk.codec == ZSTD_DELTA_PLANES)
+        buffer = ctypes.create_string_buffer(raw_bytes)
+        need(_zstd.ZSTD_decompress(buffer, raw_bytes, stored, len(stored)) == raw_bytes, "does not decode")
+        return buffer.raw
 
     def values(self, chunk):
         """The elements as numbers (F16 as floats, RGB9E5 packed), BYTES as bytes."""
@@ -235,6 +249,53 @@ def _from_planes(planes, size, differences):
             value = (value + int.from_bytes(raw[i * size:(i + 1) * size], "little")) & mask
             raw[i * size:(i + 1) * size] = value.to_bytes(size, "little")
     return bytes(raw)
+
+
+def _rans_tables(frequencies, need):
+    """Per context, for each remainder of the state: symbol, its frequency, the first remainder that is its own. None for contexts without a table."""
+    tables = []
+    for context in range(RANS_CONTEXTS):
+        table = []
+        for symbol, frequency in enumerate(struct.unpack_from("<256H", frequencies, context * 512)):
+            need(frequency <= RANS_SCALE - len(table), "frequencies that exceed their sum")
+            table += [(symbol, frequency, len(table))] * frequency
+        need(len(table) in (0, RANS_SCALE), "frequencies that do not reach their sum")
+        tables.append(table or None)
+    return tables
+
+
+def _rans_context(size_sum):
+    if size_sum < 2:
+        return size_sum
+    octave = size_sum.bit_length() - 1
+    return 2 * octave + (size_sum >> octave - 1 & 1)
+
+
+def _from_rans(streams, tables, count, need):
+    need(len(streams) >= 4 * RANS_PARTS, "no sizes of its streams")
+    sizes, at, each, out = struct.unpack_from("<4I", streams), 4 * RANS_PARTS, -(-count // RANS_PARTS), bytearray()
+    for part, size in enumerate(sizes):
+        need(size >= 4 and size % 2 == 0 and size <= len(streams) - at, "the size of a stream")
+        state, words, next_word = struct.unpack_from("<I", streams, at)[0], struct.unpack_from(f"<{(size - 4) // 2}H", streams, at + 4), 0
+        need(state >= 1 << 16, "a stream's first state")
+        at += size
+        window, size_sum = [0] * RANS_WINDOW, 0
+        for i in range(min(count, each * (part + 1)) - min(count, each * part)):
+            table = tables[_rans_context(size_sum)]
+            need(table is not None, "a context without a table")
+            symbol, frequency, first = table[state % RANS_SCALE]
+            state = frequency * (state // RANS_SCALE) + state % RANS_SCALE - first
+            out.append(symbol)
+            size_sum -= window[i % RANS_WINDOW]
+            window[i % RANS_WINDOW] = min(symbol, 256 - symbol)
+            size_sum += window[i % RANS_WINDOW]
+            if state < 1 << 16:
+                need(next_word < len(words), "a stream that ends early")
+                state = state << 16 | words[next_word]
+                next_word += 1
+        need(state == 1 << 16 and next_word == len(words), "a stream that does not end with its part")
+    need(at == len(streams), "bytes after the streams")
+    return bytes(out)
 
 
 def _is_name(name):

@@ -5,7 +5,9 @@
 #include <functional>
 
 #include "format/decode/endian.h"
+#include "format/decode/rans.h"
 #include "format/encode/compress.h"
+#include "format/encode/rans_encode.h"
 #include "tests/format/content.h"
 #include "tests/format/environment_content.h"
 #include "tests/format/forge.h"
@@ -33,6 +35,13 @@ std::string ramp() {
   return bytes;
 }
 
+/// 300 small signed bytes, of sizes that rise and fall.
+std::string waves() {
+  std::string bytes(300, '\0');
+  for (int i = 0; i < 300; ++i) bytes[size_t(i)] = char((i * i) % 13 * (i % 100) / 60 - i % 7);
+  return bytes;
+}
+
 /// One section of no version of the format, not required, with one chunk per codec.
 Forge everyCodec() {
   Forge forge;
@@ -44,6 +53,7 @@ Forge everyCodec() {
               encoded(Codec::zstd_delta_planes, ElementType::u32, ramp()));
   forge.chunk("sample", "empty", ElementType::f32, {0, 3}, Codec::raw, "");
   forge.chunk("sample", "scalar", ElementType::f32, {}, Codec::raw, std::string("\0\0\x80\x3f", 4));
+  forge.chunk("sample", "rans", ElementType::i8, {300}, Codec::rans, encoded(Codec::rans, ElementType::i8, waves()));
   return forge;
 }
 
@@ -64,6 +74,22 @@ Bytes otherFrame(std::string stored, uint64_t elements = 64) {
   Forge forge;
   forge.section("sample");
   forge.chunk("sample", "zstd", ElementType::u32, {elements}, Codec::zstd, std::move(stored));
+  return forge.build();
+}
+
+/// The chunk "rans" with one part of it edited: the planes of its tables, or what follows them.
+Bytes otherRans(const std::function<void(rans::Encoded&)>& edit) {
+  const std::string data = waves();
+  rans::Encoded coding = rans::encode({reinterpret_cast<const uint8_t*>(data.data()), data.size()});
+  edit(coding);
+  const std::string tables = encoded(Codec::zstd, ElementType::bytes, {reinterpret_cast<const char*>(coding.planes.data()), coding.planes.size()});
+  std::string stored(4, '\0');
+  storeLittle(reinterpret_cast<uint8_t*>(stored.data()), uint32_t(tables.size()));
+  stored += tables;
+  stored.append(coding.streams.begin(), coding.streams.end());
+  Forge forge;
+  forge.section("sample");
+  forge.chunk("sample", "rans", ElementType::i8, {data.size()}, Codec::rans, stored);
   return forge.build();
 }
 
@@ -168,11 +194,11 @@ std::vector<GoldenFile> invalidFiles() {
   required_version.section("prm", 2, true);
   add("too_new.required_section_version", required_version.build());
 
-  add("bad_chunk.offset_unaligned", spoiltChunk(5, [](v1::Chunk& c) { c.set_offset(c.offset() + 1); }));
+  add("bad_chunk.offset_unaligned", spoiltChunk(6, [](v1::Chunk& c) { c.set_offset(c.offset() + 1); }));
   add("bad_chunk.overlap", spoiltChunk(2, [](v1::Chunk& c) { c.set_offset(c.offset() - 16); }));
   add("bad_chunk.inside_directory", spoiltChunk(0, [](v1::Chunk& c) { c.set_offset(64); }));
-  add("bad_chunk.past_end", spoiltChunk(5, [](v1::Chunk& c) { c.set_stored_bytes(c.stored_bytes() + 1); }));
-  add("bad_chunk.size_wraps", spoiltChunk(5, [](v1::Chunk& c) { c.set_stored_bytes(~uint64_t(0) - 8); }));
+  add("bad_chunk.past_end", spoiltChunk(6, [](v1::Chunk& c) { c.set_stored_bytes(c.stored_bytes() + 1); }));
+  add("bad_chunk.size_wraps", spoiltChunk(6, [](v1::Chunk& c) { c.set_stored_bytes(~uint64_t(0) - 8); }));
   Forge gap;
   gap.section("sample");
   for (const char* name : {"before", "unclaimed", "after"})
@@ -186,6 +212,24 @@ std::vector<GoldenFile> invalidFiles() {
   std::string cut = encoded(Codec::zstd, ElementType::u32, ramp());
   cut.pop_back();
   add("bad_chunk.frame_cut", otherFrame(cut));
+  add("bad_chunk.rans_tables_size", otherRans([](rans::Encoded& c) { c.planes.resize(c.planes.size() + 1); }));
+  add("bad_chunk.rans_frequencies", otherRans([](rans::Encoded& c) { ++c.planes[0]; }));
+  add("bad_chunk.rans_context_unused", otherRans([](rans::Encoded& c) {
+        for (size_t s = 0; s < rans::kSymbols; ++s) c.planes[s] = c.planes[rans::kTableBytes / 2 + s] = 0;  // the first byte's
+      }));
+  add("bad_chunk.rans_first_state", otherRans([](rans::Encoded& c) { storeLittle(&c.streams[16], rans::kLeastState - 1); }));
+  add("bad_chunk.rans_last_state", otherRans([](rans::Encoded& c) { storeLittle(&c.streams[16], loadLittle<uint32_t>(&c.streams[16]) ^ rans::kScale << 3); }));
+  add("bad_chunk.rans_stream_odd", otherRans([](rans::Encoded& c) { ++c.streams[0]; c.streams.push_back(0); }));
+  add("bad_chunk.rans_stream_short", otherRans([](rans::Encoded& c) {
+        storeLittle(&c.streams[12], loadLittle<uint32_t>(&c.streams[12]) - 2);
+        c.streams.resize(c.streams.size() - 2);
+      }));
+  add("bad_chunk.rans_stream_long", otherRans([](rans::Encoded& c) {
+        storeLittle(&c.streams[12], loadLittle<uint32_t>(&c.streams[12]) + 2);
+        c.streams.resize(c.streams.size() + 2);
+      }));
+  add("bad_chunk.rans_after_streams", otherRans([](rans::Encoded& c) { c.streams.resize(c.streams.size() + 2); }));
+  add("bad_directory.rans_of_words", spoiltChunk(3, [](v1::Chunk& c) { c.set_codec(v1::CODEC_RANS); }));
   add("bad_chunk.expansion", otherFrame(encoded(Codec::zstd, ElementType::u32, ramp()), uint64_t(1) << 28));
   Content weights = panesContent();
   weights.entry_weight[0] = 0.5f;

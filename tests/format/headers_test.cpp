@@ -25,7 +25,8 @@ TEST(Headers, EnumsHaveTheNumbersOfTheSchema) {
   EXPECT_EQ(int(Codec::zstd), v1::CODEC_ZSTD);
   EXPECT_EQ(int(Codec::zstd_planes), v1::CODEC_ZSTD_PLANES);
   EXPECT_EQ(int(Codec::zstd_delta_planes), v1::CODEC_ZSTD_DELTA_PLANES);
-  EXPECT_EQ(v1::Codec_MAX, v1::CODEC_ZSTD_DELTA_PLANES);
+  EXPECT_EQ(int(Codec::rans), v1::CODEC_RANS);
+  EXPECT_EQ(v1::Codec_MAX, v1::CODEC_RANS);
   EXPECT_EQ(int(PrmLayout::panes), v1::PRM_LAYOUT_PANES);
   EXPECT_EQ(int(PrmLayout::local_bases), v1::PRM_LAYOUT_LOCAL_BASES);
   EXPECT_EQ(int(LightType::point), v1::LIGHT_TYPE_POINT);

@@ -23,8 +23,8 @@ struct PrmSettings {
   PaneEstimator estimator = PaneEstimator::gather;  // panes only
   EntryOptions entries;
   LocalBasesOptions bases;
-  uint32_t cluster_rays = 256;      // per fine cluster, for all bounces but the last
-  uint32_t training_lights = 512;   // local bases only
+  uint32_t cluster_rays = 128;      // per fine cluster, for all bounces but the last
+  uint32_t training_lights = 768;   // local bases only
   LightPrior prior;                 // local bases only: where these are
   bool merge_unreached = true;      // local bases only: clusters that no such light reaches are one where they are neighbours
   uint32_t emitter_samples = 64;    // per texel

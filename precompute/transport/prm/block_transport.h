@@ -10,7 +10,7 @@ struct BlockTransport {
   std::array<Eigen::MatrixXf, 3> from_cluster;  // per channel [texel][cluster]: one gathered bounce
 };
 
-/// Gathers `rays` rays at each of the texels' fronts.
-BlockTransport gatherBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, uint32_t rays);
+/// Gathers `rays` rays at each of the texels' fronts. `cluster_count`: of all.
+BlockTransport gatherBlock(std::span<const uint32_t> slots, const Gatherer& gatherer, uint32_t rays, uint32_t cluster_count);
 
 }  // namespace lightwell::transport

@@ -2,50 +2,70 @@
 
 #include <algorithm>
 
+#include "precompute/core/random.h"
 #include "precompute/transport/side_rays.h"
 #include "precompute/transport/sphere_rays.h"
 
 namespace lightwell::transport {
 namespace {
 
-constexpr uint64_t kSideStream = 1ull << 40, kMeanStream = 2ull << 40, kProbeStream = 3ull << 40;  // owners of random streams never meet
+constexpr uint64_t kSideStream = 1ull << 40, kMeanStream = 2ull << 40, kProbeStream = 3ull << 40, kBundleStream = 4ull << 40;  // owners of random streams never meet
+// A texel is small beside how far its rays go: fewer starting points than directions do, and a point costs as much as tracing a ray.
+constexpr uint32_t kRaysPerPoint = 4;
+constexpr uint32_t kTurnDimension = 2;
 
 }  // namespace
 
-GatherRow Gatherer::trace(std::span<const trace::Ray> rays, uint32_t denominator, bool backs_count) const {
-  std::vector<trace::Hit> hits(rays.size());
-  tracer_.closest(rays, hits);
-  std::vector<std::pair<uint32_t, Rgb>> met;
+/// `backs`: receives how many rays met the unlit backs of surfaces.
+std::vector<Gatherer::Hit> Gatherer::met(std::span<const trace::Hit> hits, uint32_t& backs) const {
+  std::vector<Hit> met;
   met.reserve(hits.size());
+  backs = 0;
   for (const auto& hit : hits) {
     if (hit.triangle == kNone) continue;
     const uint32_t slot = atlas_.slotAt(scene_.mesh, hit.triangle, hit.u, hit.v);
     const uint32_t side = sides_.met(slot, hit.front);
-    if (side == kNone && !backs_count && denominator > 1) --denominator;
-    if (side == kNone || clusters_.cluster_of_side[side] == kNone) continue;
-    met.emplace_back(clusters_.cluster_of_side[side], atlas_.slots[slot].albedo_rgb);
+    if (side == kNone) ++backs;
+    else if (clusters_.cluster_of_side[side] != kNone) met.push_back({clusters_.cluster_of_side[side], atlas_.slots[slot].albedo_rgb});
   }
-  std::stable_sort(met.begin(), met.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  GatherRow row;
-  const float share = 1.0f / float(denominator);
-  for (const auto& [cluster, albedo_rgb] : met) {
-    if (row.cluster.empty() || row.cluster.back() != cluster) {
-      row.cluster.push_back(cluster);
-      row.transfer_rgb.emplace_back(0.0f);
+  return met;
+}
+
+HemisphereBundle Gatherer::bundle(uint32_t rays, uint64_t owner) const { return {rays, seed_, kBundleStream + owner}; }
+
+std::vector<trace::Ray> Gatherer::rays(uint32_t side, const HemisphereBundle& bundle) const {
+  const Sampler sampler(seed_, kSideStream + side);
+  const float turn = 2 * kPi * sampler.get1D(0, kTurnDimension), turn_cos = std::cos(turn), turn_sin = std::sin(turn);
+  std::vector<trace::Ray> rays;
+  rays.reserve(bundle.directions.size());
+  atlas::SurfacePoint point;
+  Vec3 tangent(0.0f), bitangent(0.0f);
+  for (uint32_t i = 0; i < bundle.directions.size(); ++i) {
+    if (i % kRaysPerPoint == 0) {
+      point = sampleSide(scene_.mesh, atlas_, sides_, side, sampler.get1D(i / kRaysPerPoint, 0), sampler.get2D(i / kRaysPerPoint, 1));
+      Vec3 first, second;
+      orthonormalBasis(point.normal, first, second);
+      tangent = first * turn_cos + second * turn_sin, bitangent = second * turn_cos - first * turn_sin;
     }
-    row.transfer_rgb.back() += albedo_rgb * share;
+    const Vec3& local = bundle.directions[i];
+    const Vec3 direction = tangent * local.x + bitangent * local.y + point.normal * local.z;
+    if (!(direction.dot(point.geometric_normal) > 0.0f)) continue;
+    rays.push_back({.origin = trace::Tracer::offsetOrigin(point.position, point.geometric_normal, direction), .direction = direction,
+                    .key = mixBits(combineKeys(kSideStream + side, i))});
   }
-  return row;
+  return rays;
 }
 
-std::vector<trace::Ray> Gatherer::sideRays(uint32_t side, uint32_t rays) const {
-  return cosineRays(scene_.mesh, atlas_, sides_, {&side, 1}, rays, seed_, kSideStream + side);
+std::vector<Gatherer::Hit> Gatherer::hits(uint32_t side, const HemisphereBundle& bundle) const {
+  const auto rays = this->rays(side, bundle);
+  std::vector<trace::Hit> hits(rays.size());
+  tracer_.closest(rays, hits);
+  uint32_t backs;
+  return met(hits, backs);
 }
-
-GatherRow Gatherer::side(uint32_t side, uint32_t rays) const { return trace(sideRays(side, rays), rays, true); }
 
 Rgb Gatherer::emittedIrradiance(uint32_t side, uint32_t rays) const {
-  const auto list = sideRays(side, rays);
+  const auto list = cosineRays(scene_.mesh, atlas_, sides_, {&side, 1}, rays, seed_, kSideStream + side);
   std::vector<trace::Hit> hits(list.size());
   tracer_.closest(list, hits);
   Rgb radiance_rgb(0.0f);
@@ -77,7 +97,22 @@ std::vector<trace::Ray> Gatherer::meanRays(std::span<const uint32_t> members, ui
 }
 
 GatherRow Gatherer::mean(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {
-  return trace(meanRays(members, rays, owner), rays, false);
+  const auto list = meanRays(members, rays, owner);
+  std::vector<trace::Hit> hits(list.size());
+  tracer_.closest(list, hits);
+  uint32_t backs;
+  std::vector<Hit> met = this->met(hits, backs);
+  std::stable_sort(met.begin(), met.end(), [](const Hit& a, const Hit& b) { return a.cluster < b.cluster; });
+  GatherRow row;
+  const float share = 1.0f / float(rays > backs ? rays - backs : 1);
+  for (const auto& [cluster, albedo_rgb] : met) {
+    if (row.cluster.empty() || row.cluster.back() != cluster) {
+      row.cluster.push_back(cluster);
+      row.transfer_rgb.emplace_back(0.0f);
+    }
+    row.transfer_rgb.back() += albedo_rgb * share;
+  }
+  return row;
 }
 
 std::vector<std::pair<uint32_t, uint32_t>> Gatherer::met(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const {

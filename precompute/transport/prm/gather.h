@@ -4,6 +4,7 @@
 
 #include "precompute/trace/tracer.h"
 #include "precompute/transport/prm/entries.h"
+#include "precompute/transport/prm/hemisphere_bundle.h"
 
 namespace lightwell::transport {
 
@@ -22,10 +23,17 @@ class Gatherer {
            const EntryClusters& clusters, uint64_t seed)
       : scene_(scene), atlas_(atlas), tracer_(tracer), sides_(sides), clusters_(clusters), seed_(seed) {}
 
-  /// The rays that side() traces, fewer where some would leave below the surface.
-  std::vector<trace::Ray> sideRays(uint32_t side, uint32_t rays) const;
-  /// The row of one texel's side.
-  GatherRow side(uint32_t side, uint32_t rays) const;
+  struct Hit {
+    uint32_t cluster;
+    Rgb albedo_rgb;
+  };
+  /// Directions for hits(), for texels that share `owner`.
+  HemisphereBundle bundle(uint32_t rays, uint64_t owner) const;
+  /// The rays that hits() traces, fewer where some would leave below the surface.
+  std::vector<trace::Ray> rays(uint32_t side, const HemisphereBundle& bundle) const;
+  /// What rays from one texel's side into the directions of `bundle`, turned at random about the normal, meet of clusters: the sum of albedos times irradiance, over the
+  /// number of directions, is what the side receives.
+  std::vector<Hit> hits(uint32_t side, const HemisphereBundle& bundle) const;
   /// The area-weighted mean row over the exposed surface of the sides `members` of a cluster or group: rays that meet the unlit backs of surfaces began
   /// inside of something and do not count. `owner` keys the random numbers.
   GatherRow mean(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
@@ -43,7 +51,7 @@ class Gatherer {
 
  private:
   std::vector<trace::Ray> meanRays(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
-  GatherRow trace(std::span<const trace::Ray> rays, uint32_t denominator, bool backs_count) const;
+  std::vector<Hit> met(std::span<const trace::Hit> hits, uint32_t& backs) const;
   const scene::Scene& scene_;
   const atlas::Atlas& atlas_;
   const trace::Tracer& tracer_;

@@ -5,6 +5,8 @@
 #include <bit>
 #include <numeric>
 
+#include "precompute/transport/prm/product.h"
+
 namespace lightwell::transport {
 namespace {
 
@@ -12,6 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXf;
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Part = std::vector<Eigen::Index>;  // some of a block's texels, by their places in it
 
 constexpr float kBasisSteps = 127.0f;
 // The share of a light's mean that bounds the weight of dark texels, as in the definition of texrel (docs/cli.md).
@@ -30,6 +33,12 @@ constexpr float kUnseenWavelet = 0.1f;
 constexpr float kRounding = 0.4f;
 // A coefficient is linked as often as it needs bytes; this bounds what a degenerate block can ask for.
 constexpr float kMostSteps = 127.0f * 512;
+
+ChannelMatrices rowsOf(const ChannelMatrices& matrices, const Part& part) {
+  ChannelMatrices rows;
+  for (int channel = 0; channel < 3; ++channel) rows[channel] = matrices[channel](part, Eigen::all);
+  return rows;
+}
 
 /// Principal components in the metric of `texel_weight`, from the Gram matrix of the weighted texels.
 struct Components {
@@ -93,25 +102,24 @@ float costOf(const float* value, const int32_t* steps, uint32_t width, bool is_m
   return (bits > 0 ? bits + kLink : 0) + lost;
 }
 
-/// Adds the block's amounts as rows over wavelets. `coordinates`: per channel [rank][cluster], what comes straight from fine clusters.
+/// Adds the block's amounts as rows over wavelets. `from_cluster`, per channel [rank][cluster of the tree's `cluster_leaf`]: what comes straight from fine clusters;
+/// `from_group`, [rank][group]: what comes from groups after further bounces.
 ///
 /// Light on a subtree is known by its mean and the differences below; or by that of the two children, each on its own. Of all such bases the one that
 /// costs least is found from the leaves up (Coifman, Wickerhauser: "Entropy-Based Algorithms for Best Basis Selection"): where a block is
 /// lit from one room only, the light of all others need not be cancelled.
-void linkWavelets(const EntryClusters& clusters, const WaveletIndex& wavelets, const MultiBounce& multi_bounce, const TrainingLights& training,
-                  const std::vector<uint32_t>& cluster, const std::array<MatrixXf, 3>& coordinates, const VectorXf& basis_norm,
-                  const LocalBasesOptions& options, BasisBlock& block) {
-  const uint32_t count = clusters.cluster_count, width = block.rank * 3, rank = block.rank;
+void linkWavelets(const ResponseTree& tree, const TrainingLights& training, const ChannelMatrices& from_cluster, const ChannelMatrices& from_group,
+                  const VectorXf& basis_norm, const LocalBasesOptions& options, BasisBlock& block) {
+  const uint32_t count = tree.leaves, width = block.rank * 3, rank = block.rank;
   std::vector<float> response(size_t(waveletCount(count)) * width);
   for (int channel = 0; channel < 3; ++channel) {
-    const auto at = [&](uint32_t wavelet, uint32_t k) -> float& { return response[size_t(wavelet) * width + k * 3 + uint32_t(channel)]; };
-    for (size_t l = 0; l < cluster.size(); ++l)
-      for (uint32_t k = 0; k < rank; ++k) at(cluster[l], k) = coordinates[channel](k, Eigen::Index(l));
-    const MatrixXf from_groups = multi_bounce.groupResponse(channel, cluster, coordinates[channel]);
-    for (uint32_t g = 0; g < clusters.group_count; ++g)
-      for (uint32_t k = 0; k < rank; ++k) at(wavelets.group_mean[g], k) += from_groups(k, g);
+    const auto add = [&](uint32_t wavelet, const auto& column) {
+      for (uint32_t k = 0; k < rank; ++k) response[size_t(wavelet) * width + k * 3 + uint32_t(channel)] += column[k];
+    };
+    for (size_t l = 0; l < tree.cluster_leaf.size(); ++l) add(tree.cluster_leaf[l], from_cluster[channel].col(Eigen::Index(l)));
+    for (size_t g = 0; g < tree.group_mean.size(); ++g) add(tree.group_mean[g], from_group[channel].col(Eigen::Index(g)));
   }
-  responseToWavelets(clusters.tree, wavelets.children, width, response);
+  responseToWavelets(tree.shares, tree.children, width, response);
 
   for (uint32_t k = 0; k < rank; ++k)
     for (int channel = 0; channel < 3; ++channel)
@@ -119,7 +127,7 @@ void linkWavelets(const EntryClusters& clusters, const WaveletIndex& wavelets, c
   std::vector<int32_t> steps(response.size());
   std::vector<float> cost(waveletCount(count));
   for (uint32_t w = 0; w < cost.size(); ++w) {
-    const float unit = waveletUnit(training.wavelet_unit[w]);
+    const float unit = waveletUnit(training.wavelet_unit[tree.wavelet[w]]);
     const bool is_mean = w < differenceIndex(count, 0);
     for (uint32_t i = 0; i < width; ++i) {
       float& value = response[size_t(w) * width + i];
@@ -138,7 +146,7 @@ void linkWavelets(const EntryClusters& clusters, const WaveletIndex& wavelets, c
   const auto belowChild = [&](uint32_t child) { return child & WaveletTree::kLeaf ? 0 : below[child]; };
   const auto bestOf = [&](uint32_t child) { return child & WaveletTree::kLeaf ? cost[child & ~WaveletTree::kLeaf] : best[child]; };
   for (uint32_t n = count - 1; n-- > 0;) {
-    const auto [first, second] = wavelets.children[n];
+    const auto [first, second] = tree.children[n];
     below[n] = cost[differenceIndex(count, n)] + belowChild(first) + belowChild(second);
     if (dark[meanIndex(count, first)] != dark[meanIndex(count, second)]) below[n] = kNever;
     best[n] = std::min(cost[meanIndex(count, n)] + below[n], bestOf(first) + bestOf(second));
@@ -154,18 +162,22 @@ void linkWavelets(const EntryClusters& clusters, const WaveletIndex& wavelets, c
       if (!known) chosen[child & ~WaveletTree::kLeaf] = 1;
       continue;
     }
-    const auto [first, second] = wavelets.children[child];
+    const auto [first, second] = tree.children[child];
     const bool whole = known || cost[meanIndex(count, child)] + below[child] <= bestOf(first) + bestOf(second);
     if (whole && !known) chosen[meanIndex(count, child)] = 1;
     if (whole) chosen[differenceIndex(count, child)] = 1;
     open.emplace_back(first, whole);
     open.emplace_back(second, whole);
   }
-  for (uint32_t w = 0; w < cost.size(); ++w) {
+  std::vector<std::pair<uint32_t, uint32_t>> links;  // wavelet of all, place here
+  for (uint32_t w = 0; w < cost.size(); ++w)
+    if (chosen[w]) links.emplace_back(tree.wavelet[w], w);
+  std::sort(links.begin(), links.end());
+  for (const auto& [wavelet, w] : links) {
     int32_t* rest = &steps[size_t(w) * width];
-    for (bool any = chosen[w] && std::any_of(rest, rest + width, [](int32_t v) { return v != 0; }); any;) {  // in parts that a byte holds
+    for (bool any = std::any_of(rest, rest + width, [](int32_t v) { return v != 0; }); any;) {  // in parts that a byte holds
       any = false;
-      block.link_wavelet.push_back(w);
+      block.link_wavelet.push_back(wavelet);
       for (uint32_t i = 0; i < width; ++i) {
         const int32_t part = std::clamp(rest[i], -127, 127);
         block.coefficient.push_back(int8_t(part));
@@ -177,21 +189,6 @@ void linkWavelets(const EntryClusters& clusters, const WaveletIndex& wavelets, c
 }
 
 }  // namespace
-
-WaveletIndex::WaveletIndex(const EntryClusters& clusters) : children(clusters.tree.children(clusters.cluster_count)), group_mean(clusters.group_count) {
-  const uint32_t count = clusters.cluster_count;
-  std::vector<uint32_t> first_leaf(count), leaves(count);
-  const auto visit = [&](uint32_t child, uint32_t from, uint32_t under) {
-    if (!(child & WaveletTree::kLeaf)) first_leaf[child] = from, leaves[child] = under;
-    const uint32_t group = clusters.group_of_cluster[from];
-    if (clusters.group_first_cluster[group] == from && clusters.group_first_cluster[group + 1] == from + under) group_mean[group] = meanIndex(count, child);
-  };
-  if (count) visit(count == 1 ? WaveletTree::kLeaf : 0, 0, count);
-  for (uint32_t n = 0; n < children.size(); ++n) {
-    visit(children[n].first, first_leaf[n], clusters.tree.first_leaves[n]);
-    visit(children[n].second, first_leaf[n] + clusters.tree.first_leaves[n], leaves[n] - clusters.tree.first_leaves[n]);
-  }
-}
 
 TrainingLights makeTrainingLights(const EntryClusters& clusters, const WaveletIndex& wavelets, const MultiBounce& multi_bounce, bool grey,
                                   const std::vector<std::vector<float>>& direct_irradiance) {
@@ -262,44 +259,38 @@ TrainingLights makeTrainingLights(const EntryClusters& clusters, const WaveletIn
 
 namespace {
 
-/// The fit of a set of texels whose transport is known.
+/// The fit of a set of texels whose transport is known, whole or in parts. Parts are lists of rows of `transport`.
 class BlockFit {
  public:
-  /// `atlas`: of the slots of fit(); null when there are none.
-  BlockFit(const atlas::Atlas* atlas, const EntryClusters& clusters, const WaveletIndex& wavelets, const MultiBounce& multi_bounce,
-           const TrainingLights& training, const LocalBasesOptions& options, const std::vector<uint32_t>& cluster)
-      : atlas_(atlas), clusters_(clusters), wavelets_(wavelets), multi_bounce_(multi_bounce), training_(training), options_(options), cluster_(cluster),
-        total_(Eigen::Index(cluster.size()), Eigen::Index(training.count)) {
-    for (size_t l = 0; l < cluster.size(); ++l) total_.row(Eigen::Index(l)) = training.total.row(cluster[l]);
-  }
-
-  /// The texels at the places `part` of `slots`.
-  void fitPart(const std::vector<uint32_t>& slots, const std::array<RowMajor, 3>& from_cluster, const std::vector<uint32_t>& part,
-               std::vector<BasisBlock>& blocks) const {
-    std::vector<uint32_t> part_slots;
-    std::array<RowMajor, 3> part_from;
+  BlockFit(const BlockTransport& transport, const std::vector<float>& area, const EntryClusters& clusters, const WaveletIndex& wavelets,
+           const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options)
+      : training_(training), options_(options), area_(area), tree_(clusters, wavelets, transport.cluster), total_(Eigen::Index(transport.cluster.size()), Eigen::Index(training.count)), samples_(Eigen::Index(area.size()), Eigen::Index(training.count)) {
+    for (size_t l = 0; l < transport.cluster.size(); ++l) total_.row(Eigen::Index(l)) = training.total.row(transport.cluster[l]);
     for (int channel = 0; channel < 3; ++channel) {
-      part_from[channel].resize(Eigen::Index(part.size()), from_cluster[channel].cols());
-      for (size_t i = 0; i < part.size(); ++i) part_from[channel].row(Eigen::Index(i)) = from_cluster[channel].row(part[i]);
+      from_cluster_[channel] = transport.from_cluster[channel];
+      from_group_[channel] = multi_bounce.groupResponse(channel, transport.cluster, transport.from_cluster[channel]);
+      const Eigen::Index first = training.first(channel), count = Eigen::Index(training.first(channel + 1)) - first;
+      if (count > 0) samples_.middleCols(first, count) = multiply(transport.from_cluster[channel], total_.middleCols(first, count));
     }
-    for (const uint32_t i : part) part_slots.push_back(slots[i]);
-    fit(part_slots, part_from, blocks);
   }
 
-  /// `from_cluster`: per channel [texel][cluster]. Appends one block or several.
-  void fit(const std::vector<uint32_t>& slots, const std::array<RowMajor, 3>& from_cluster, std::vector<BasisBlock>& blocks) const {
-    const Weighted weighted = componentsOf(from_cluster);
-    if (weighted.components.rank > Eigen::Index(options_.most_rank) && slots.size() >= 2 * size_t(options_.least_texels)) {
-      for (const auto& part : halves(slots)) fitPart(slots, from_cluster, part, blocks);
+  /// The whole as one block.
+  BasisBlock fitWhole() const {
+    Part part(area_.size());
+    std::iota(part.begin(), part.end(), Eigen::Index(0));
+    return basisOf(part, componentsOf(part));
+  }
+
+  /// A part as one block, or, where that has more components than maps, as several: halved by `halves`. fit(part, halves, add) calls add(part, block).
+  template <class Halves, class Add>
+  void fit(const Part& part, const Halves& halves, const Add& add) const {
+    const Weighted weighted = componentsOf(part);
+    if (weighted.components.rank > Eigen::Index(options_.most_rank) && part.size() >= 2 * size_t(options_.least_texels)) {
+      for (const Part& half : halves(part)) fit(half, halves, add);
       return;
     }
-    VectorXf area(Eigen::Index(slots.size()));
-    for (size_t t = 0; t < slots.size(); ++t) area[Eigen::Index(t)] = atlas_->slots[slots[t]].area;
-    blocks.push_back(basisOf(from_cluster, area, weighted));
-    blocks.back().slot = slots;
+    add(part, basisOf(part, weighted));
   }
-
-  BasisBlock fitWhole(const std::array<RowMajor, 3>& from_cluster, const VectorXf& area) const { return basisOf(from_cluster, area, componentsOf(from_cluster)); }
 
  private:
   struct Weighted {
@@ -307,14 +298,10 @@ class BlockFit {
     Components components;
   };
 
-  Weighted componentsOf(const std::array<RowMajor, 3>& from_cluster) const {
-    const Eigen::Index texels = from_cluster[1].rows(), links = Eigen::Index(cluster_.size()), lights = training_.count;
-    // The block's indirect light under every training light.
-    MatrixXf samples(texels, lights);
-    for (int channel = 0; channel < 3; ++channel) {
-      const Eigen::Index first = training_.first(channel), count = Eigen::Index(training_.first(channel + 1)) - first;
-      if (count > 0) samples.middleCols(first, count).noalias() = from_cluster[channel] * total_.middleCols(first, count);
-    }
+  Weighted componentsOf(const Part& part) const {
+    const Eigen::Index texels = Eigen::Index(part.size()), links = total_.rows(), lights = training_.count;
+    MatrixXf samples = samples_(part, Eigen::all);  // the part's indirect light under every training light
+    const ChannelMatrices from_cluster = rowsOf(from_cluster_, part);
     // relrmse weighs a texel's error by one over the light's mean, texrel by one over the texel's own light. A least-squares fit takes weights that are a
     // product of one factor per light and one per texel: the first from the light's mean over everything and over the block, the second from the mean light.
     VectorXf light_weight(lights);
@@ -347,43 +334,40 @@ class BlockFit {
     return {texel_weight, Components(gram, double(options_.rank_error) * options_.rank_error * double(texels) * double(std::max<Eigen::Index>(1, counted)))};
   }
 
-  BasisBlock basisOf(const std::array<RowMajor, 3>& from_cluster, const VectorXf& area, const Weighted& weighted) const {
+  BasisBlock basisOf(const Part& part, const Weighted& weighted) const {
     const VectorXf& texel_weight = weighted.texel_weight;
     const Eigen::Index texels = texel_weight.size();
     BasisBlock block;
     block.rank = uint32_t(std::min<Eigen::Index>(weighted.components.rank, options_.most_rank));
     if (block.rank == 0) return block;
     const MatrixXf basis = weighted.components.basis(block.rank, texel_weight);
+    VectorXf area(texels);
+    for (Eigen::Index t = 0; t < texels; ++t) area[t] = area_[size_t(part[size_t(t)])];
     const MatrixXf to_coordinates = energyKeepingCoordinates(basis, texel_weight, area);
     const VectorXf basis_norm = (texel_weight.asDiagonal() * basis).colwise().norm() / std::sqrt(float(texels));
-    std::array<MatrixXf, 3> coordinates;
-    for (int channel = 0; channel < 3; ++channel) coordinates[channel] = to_coordinates * from_cluster[channel];
-    linkWavelets(clusters_, wavelets_, multi_bounce_, training_, cluster_, coordinates, basis_norm, options_, block);
+    ChannelMatrices from_cluster, from_group;
+    for (int channel = 0; channel < 3; ++channel) {
+      from_cluster[channel] = to_coordinates * from_cluster_[channel](part, Eigen::all);
+      from_group[channel] = to_coordinates * from_group_[channel](part, Eigen::all);
+    }
+    linkWavelets(tree_, training_, from_cluster, from_group, basis_norm, options_, block);
     for (Eigen::Index t = 0; t < texels; ++t)
       for (Eigen::Index k = 0; k < basis.cols(); ++k) block.basis.push_back(int8_t(std::lround(basis(t, k) * kBasisSteps)));
     return block;
   }
 
-  /// The texels in two, as partitions are cut.
-  std::array<std::vector<uint32_t>, 2> halves(const std::vector<uint32_t>& slots) const {
-    std::vector<SurfaceElement> elements;
-    for (const uint32_t slot : slots) elements.push_back({atlas_->slots[slot].position, atlas_->slots[slot].normal});
-    return bisect(elements);
-  }
-
-  const atlas::Atlas* atlas_;
-  const EntryClusters& clusters_;
-  const WaveletIndex& wavelets_;
-  const MultiBounce& multi_bounce_;
   const TrainingLights& training_;
   const LocalBasesOptions& options_;
-  const std::vector<uint32_t>& cluster_;
-  RowMajor total_;  // [cluster][light]
+  const std::vector<float>& area_;  // [texel]
+  ResponseTree tree_;
+  ChannelMatrices from_cluster_, from_group_;  // [texel][cluster met], [texel][group]
+  RowMajor total_;                             // [cluster met][light]
+  RowMajor samples_;                           // [texel][light]: indirect light under every training light
 };
 
 /// Texels that share what they see with others of the same part only: a block must not reach through a wall, for its maps would let light pass. Lists of
 /// places in the block; texels that see nothing are a part of their own.
-std::vector<std::vector<uint32_t>> partsBySight(const BlockTransport& transport, const EntryClusters& clusters) {
+std::vector<Part> partsBySight(const BlockTransport& transport, const EntryClusters& clusters) {
   constexpr float kCommonSight = 0.1f;  // the common share of the groups seen, of 1
   const Eigen::Index texels = transport.from_cluster[1].rows();
   std::vector<uint32_t> column;
@@ -395,18 +379,18 @@ std::vector<std::vector<uint32_t>> partsBySight(const BlockTransport& transport,
   RowMajor seen = RowMajor::Zero(texels, Eigen::Index(groups) + 1);
   for (size_t l = 0; l < transport.cluster.size(); ++l)
     for (const auto& matrix : transport.from_cluster) seen.col(column[l]) += matrix.col(Eigen::Index(l));
-  std::vector<std::vector<uint32_t>> parts;
-  std::vector<uint32_t> blind, rest;
+  std::vector<Part> parts;
+  Part blind, rest;
   for (Eigen::Index t = 0; t < texels; ++t) {
     const float sum = seen.row(t).sum();
-    (sum > 0 ? rest : blind).push_back(uint32_t(t));
+    (sum > 0 ? rest : blind).push_back(t);
     if (sum > 0) seen.row(t) /= sum;
   }
   while (!rest.empty()) {
-    std::vector<uint32_t> part = {rest.front()};
+    Part part = {rest.front()};
     rest.erase(rest.begin());
     for (size_t i = 0; i < part.size(); ++i) {
-      const auto joined = std::stable_partition(rest.begin(), rest.end(), [&](uint32_t t) {
+      const auto joined = std::stable_partition(rest.begin(), rest.end(), [&](Eigen::Index t) {
         return seen.row(part[i]).cwiseMin(seen.row(t)).sum() < kCommonSight;
       });
       part.insert(part.end(), joined, rest.end());
@@ -423,21 +407,31 @@ std::vector<std::vector<uint32_t>> partsBySight(const BlockTransport& transport,
 
 BasisBlock fitWhole(const BlockTransport& transport, const std::vector<float>& weight, const EntryClusters& clusters, const WaveletIndex& wavelets,
                     const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options) {
-  std::array<RowMajor, 3> from_cluster;
-  for (int channel = 0; channel < 3; ++channel) from_cluster[channel] = transport.from_cluster[channel];
-  const BlockFit fit(nullptr, clusters, wavelets, multi_bounce, training, options, transport.cluster);
-  return fit.fitWhole(from_cluster, Eigen::Map<const VectorXf>(weight.data(), Eigen::Index(weight.size())));
+  return BlockFit(transport, weight, clusters, wavelets, multi_bounce, training, options).fitWhole();
 }
 
 std::vector<BasisBlock> fitBlock(std::span<const uint32_t> slots, const atlas::Atlas& atlas, const Gatherer& gatherer, const EntryClusters& clusters,
                                  const WaveletIndex& wavelets, const MultiBounce& multi_bounce, const TrainingLights& training,
                                  const EmitterLight& emitters, const LocalBasesOptions& options) {
-  const BlockTransport transport = gatherBlock(slots, gatherer, options.rays);
-  std::array<RowMajor, 3> from_cluster;
-  for (int channel = 0; channel < 3; ++channel) from_cluster[channel] = transport.from_cluster[channel];
+  const BlockTransport transport = gatherBlock(slots, gatherer, options.rays, clusters.cluster_count);
+  std::vector<float> area;
+  for (const uint32_t slot : slots) area.push_back(atlas.slots[slot].area);
+  const BlockFit block_fit(transport, area, clusters, wavelets, multi_bounce, training, options);
   std::vector<BasisBlock> blocks;
-  const BlockFit block_fit(&atlas, clusters, wavelets, multi_bounce, training, options, transport.cluster);
-  for (const auto& part : partsBySight(transport, clusters)) block_fit.fitPart({slots.begin(), slots.end()}, from_cluster, part, blocks);
+  const auto halves = [&](const Part& part) {  // as partitions are cut
+    std::vector<SurfaceElement> elements;
+    for (const Eigen::Index t : part) elements.push_back({atlas.slots[slots[size_t(t)]].position, atlas.slots[slots[size_t(t)]].normal});
+    std::array<Part, 2> halves;
+    const auto places = bisect(elements);
+    for (size_t i = 0; i < 2; ++i)
+      for (const uint32_t place : places[i]) halves[i].push_back(part[place]);
+    return halves;
+  };
+  for (const Part& part : partsBySight(transport, clusters))
+    block_fit.fit(part, halves, [&](const Part& fitted, BasisBlock block) {
+      for (const Eigen::Index t : fitted) block.slot.push_back(slots[size_t(t)]);
+      blocks.push_back(std::move(block));
+    });
   if (emitters.cluster_rgb.empty()) return blocks;
   for (BasisBlock& block : blocks)
     for (const uint32_t slot : block.slot) {

@@ -8,6 +8,7 @@
 #include "precompute/transport/prm/light_prior.h"
 #include "precompute/transport/prm/multi_bounce.h"
 #include "precompute/transport/prm/partition.h"
+#include "precompute/transport/prm/response_tree.h"
 
 namespace lightwell::transport {
 
@@ -15,16 +16,9 @@ struct LocalBasesOptions {
   uint32_t block_texels = 48;      // aimed at; blocks are halved where their rank does not do
   uint32_t least_texels = 8;       // blocks of fewer than twice as many are not
   uint32_t most_rank = 8;          // 1 … 64
-  float rank_error = 0.09f;         // a block's rank is the least that leaves this relative residual under the training lights, noise apart
-  float wavelet_step = 0.01f;      // of a coefficient: what it changes of the block's light, relative to that light, under usual lights
-  uint32_t rays = 768;             // gathered per texel
-};
-
-/// The tree of the clusters' wavelets with what is derived from it.
-struct WaveletIndex {
-  explicit WaveletIndex(const EntryClusters& clusters);
-  std::vector<WaveletTree::Children> children;
-  std::vector<uint32_t> group_mean;  // [group]: the wavelet that is the mean over it
+  float rank_error = 0.065f;        // a block's rank is the least that leaves this relative residual under the training lights, noise apart
+  float wavelet_step = 0.008f;     // of a coefficient: what it changes of the block's light, relative to that light, under usual lights
+  uint32_t rays = 2048;            // gathered per texel
 };
 
 /// The lights that bases are fitted to, with all their bounces; computed once, read by every block. Each light is of one colour channel, a third of them of

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <stdexcept>
 
+#include "precompute/transport/prm/product.h"
+
 namespace lightwell::transport {
 namespace {
 
@@ -56,7 +58,7 @@ MatrixXf MultiBounce::groupResponse(int channel, const std::vector<uint32_t>& cl
   for (size_t l = 0; l < cluster.size(); ++l)
     for (uint32_t i = rows.first[cluster[l]]; i < rows.first[cluster[l] + 1]; ++i)
       once.col(rows.group[i]) += rows.transfer_rgb[i][channel] * cluster_response.col(Eigen::Index(l));
-  return once + once * solution[channel];
+  return once + multiply(once, solution[channel]);
 }
 
 MultiBounce solveMultiBounce(const EntryClusters& clusters, GroupRows rows) {

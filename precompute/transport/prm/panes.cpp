@@ -13,7 +13,7 @@ constexpr uint32_t kMostBounces = 4096;  // Russian roulette ends walks long bef
 
 std::vector<Rgb> gatherPanes(std::span<const uint32_t> slots, const Gatherer& gatherer, const EntryClusters& clusters, const MultiBounce& multi_bounce,
                              uint32_t rays) {
-  const BlockTransport transport = gatherBlock(slots, gatherer, rays);
+  const BlockTransport transport = gatherBlock(slots, gatherer, rays, clusters.cluster_count);
   std::vector<Rgb> panes(slots.size() * clusters.group_count, Rgb(0.0f));
   for (int channel = 0; channel < 3; ++channel) {
     Eigen::MatrixXf pane = multi_bounce.groupResponse(channel, transport.cluster, transport.from_cluster[channel]);
