@@ -125,7 +125,7 @@ Fault View::decode(const ChunkInfo& chunk, void* destination, size_t bytes) cons
     uint8_t* planes = plane_scratch.allocate(rans::kTableBytes);
     auto* slots = reinterpret_cast<uint32_t*>(slot_scratch.allocate(rans::kSlots * sizeof(uint32_t)));
     if (!planes || !slots) return chunkFault(chunk, Status::out_of_memory, "no memory for its tables");
-    bool used[rans::kContexts];
+    uint32_t used;
     if (ZSTD_decompressDCtx(zstd.context, planes, rans::kTableBytes, stored + 4, frame_bytes) != rans::kTableBytes || !rans::makeSlots(planes, slots, used))
       return chunkFault(chunk, Status::bad_chunk, "its tables are damaged");
     const uint8_t* streams = stored + 4 + frame_bytes;

@@ -31,9 +31,9 @@ inline size_t partBegin(size_t count, size_t part) {
 /// One number for each context and each remainder of the state: symbol, its frequency less 1, the remainder's place in it.
 constexpr size_t kSlots = kContexts * kScale;
 
-/// Fills `slots`, [kSlots], from `planes`, [kTableBytes]. `used`: [kContexts]. False where frequencies do not add up.
-bool makeSlots(const uint8_t* planes, uint32_t* slots, bool* used);
+/// Fills `slots`, [kSlots], from `planes`, [kTableBytes]. `used`: receives a bit for each context that has a table. False where frequencies do not add up.
+bool makeSlots(const uint8_t* planes, uint32_t* slots, uint32_t& used);
 /// Decodes `count` bytes from `stored`, four sizes and streams, which must be used up exactly. False where they are damaged.
-bool decode(const uint8_t* stored, size_t stored_bytes, const uint32_t* slots, const bool* used, uint8_t* out, size_t count);
+bool decode(const uint8_t* stored, size_t stored_bytes, const uint32_t* slots, uint32_t used, uint8_t* out, size_t count);
 
 }  // namespace lightwell::format::rans

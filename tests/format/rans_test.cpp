@@ -18,7 +18,7 @@ using Bytes = std::vector<uint8_t>;
 /// Nothing where the coding is damaged.
 Bytes decoded(const rans::Encoded& coding, size_t count) {
   auto slots = std::make_unique<uint32_t[]>(rans::kSlots);
-  bool used[rans::kContexts];
+  uint32_t used;
   Bytes out(count);
   if (!rans::makeSlots(coding.planes.data(), slots.get(), used)) return {};
   if (!rans::decode(coding.streams.data(), coding.streams.size(), slots.get(), used, out.data(), count)) return {};
