@@ -10,14 +10,14 @@ namespace lightwell::transport {
 namespace {
 
 constexpr uint64_t kSideStream = 1ull << 40, kMeanStream = 2ull << 40, kProbeStream = 3ull << 40, kBundleStream = 4ull << 40;  // owners of random streams never meet
-// A texel is small beside how far its rays go: fewer starting points than directions do, and a point costs as much as tracing a ray.
+// A texel is small beside how far its rays go: fewer starting points than directions do.
 constexpr uint32_t kRaysPerPoint = 4;
 constexpr uint32_t kTurnDimension = 2;
 
 }  // namespace
 
 /// `backs`: receives how many rays met the unlit backs of surfaces.
-std::vector<Gatherer::Hit> Gatherer::met(std::span<const trace::Hit> hits, uint32_t& backs) const {
+std::vector<Gatherer::Hit> Gatherer::clustersMet(std::span<const trace::Hit> hits, uint32_t& backs) const {
   std::vector<Hit> met;
   met.reserve(hits.size());
   backs = 0;
@@ -61,7 +61,7 @@ std::vector<Gatherer::Hit> Gatherer::hits(uint32_t side, const HemisphereBundle&
   std::vector<trace::Hit> hits(rays.size());
   tracer_.closest(rays, hits);
   uint32_t backs;
-  return met(hits, backs);
+  return clustersMet(hits, backs);
 }
 
 Rgb Gatherer::emittedIrradiance(uint32_t side, uint32_t rays) const {
@@ -101,7 +101,7 @@ GatherRow Gatherer::mean(std::span<const uint32_t> members, uint32_t rays, uint6
   std::vector<trace::Hit> hits(list.size());
   tracer_.closest(list, hits);
   uint32_t backs;
-  std::vector<Hit> met = this->met(hits, backs);
+  std::vector<Hit> met = clustersMet(hits, backs);
   std::stable_sort(met.begin(), met.end(), [](const Hit& a, const Hit& b) { return a.cluster < b.cluster; });
   GatherRow row;
   const float share = 1.0f / float(rays > backs ? rays - backs : 1);
@@ -120,11 +120,8 @@ std::vector<std::pair<uint32_t, uint32_t>> Gatherer::met(std::span<const uint32_
   std::vector<trace::Hit> hits(list.size());
   tracer_.closest(list, hits);
   std::vector<uint32_t> clusters;
-  for (const auto& hit : hits) {
-    if (hit.triangle == kNone) continue;
-    const uint32_t side = sides_.met(atlas_.slotAt(scene_.mesh, hit.triangle, hit.u, hit.v), hit.front);
-    if (side != kNone && clusters_.cluster_of_side[side] != kNone) clusters.push_back(clusters_.cluster_of_side[side]);
-  }
+  uint32_t backs;
+  for (const Hit& hit : clustersMet(hits, backs)) clusters.push_back(hit.cluster);
   std::sort(clusters.begin(), clusters.end());
   std::vector<std::pair<uint32_t, uint32_t>> counts;
   for (const uint32_t cluster : clusters) {

@@ -51,7 +51,7 @@ class Gatherer {
 
  private:
   std::vector<trace::Ray> meanRays(std::span<const uint32_t> members, uint32_t rays, uint64_t owner) const;
-  std::vector<Hit> met(std::span<const trace::Hit> hits, uint32_t& backs) const;
+  std::vector<Hit> clustersMet(std::span<const trace::Hit> hits, uint32_t& backs) const;
   const scene::Scene& scene_;
   const atlas::Atlas& atlas_;
   const trace::Tracer& tracer_;

@@ -13,7 +13,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXf;
-using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using RowMajor = RowMajorMatrix;
 using Part = std::vector<Eigen::Index>;  // some of a block's texels, by their places in it
 
 constexpr float kBasisSteps = 127.0f;
@@ -264,7 +264,8 @@ class BlockFit {
  public:
   BlockFit(const BlockTransport& transport, const std::vector<float>& area, const EntryClusters& clusters, const WaveletIndex& wavelets,
            const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options)
-      : training_(training), options_(options), area_(area), tree_(clusters, wavelets, transport.cluster), total_(Eigen::Index(transport.cluster.size()), Eigen::Index(training.count)), samples_(Eigen::Index(area.size()), Eigen::Index(training.count)) {
+      : training_(training), options_(options), area_(area), tree_(clusters, wavelets, transport.cluster),
+        total_(Eigen::Index(transport.cluster.size()), Eigen::Index(training.count)), samples_(Eigen::Index(area.size()), Eigen::Index(training.count)) {
     for (size_t l = 0; l < transport.cluster.size(); ++l) total_.row(Eigen::Index(l)) = training.total.row(transport.cluster[l]);
     for (int channel = 0; channel < 3; ++channel) {
       from_cluster_[channel] = transport.from_cluster[channel];
