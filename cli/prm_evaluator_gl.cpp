@@ -36,6 +36,7 @@ std::vector<float> evaluatePrmOnGl(const PrmEvaluation& evaluation) {
   const GlContext gl(container);
   lw_gl_prm_options prm_options = LW_GL_PRM_OPTIONS_INIT;
   prm_options.atlas_format = LW_GL_ATLAS_RGBA32F;  // an EXR holds 32-bit floats; a game is served by the half of it
+  prm_options.reconstruct = LW_GL_RECONSTRUCT_SHADER;  // the CPU has a backend of its own
   lw_gl_prm* gl_prm_raw = nullptr;
   container.check(lw_gl_prm_create(gl.get(), prm.get(), &prm_options, &gl_prm_raw));
   const GlPrmHandle gl_prm(gl_prm_raw);

@@ -164,14 +164,18 @@ lw_light lampOf(const cli::RuntimeContainer& container, const lw_prm* prm, float
   return light;
 }
 
-void measure(const Options& options, const std::filesystem::path& file, lw_gl* gl, json& rows) {
+void measure(const Options& options, const std::filesystem::path& file, uint32_t reconstruct, lw_gl* gl, json& rows) {
   const cli::RuntimeContainer container(file);
   const format::Reader reader(file);
   const auto prm = container.loadPrm();
   lw_prm_info info;
   container.check(lw_prm_get_info(prm.get(), &info));
+  const bool panes = info.layout == LW_PRM_PANES;
+  if (panes && reconstruct) return;
+  lw_gl_prm_options gl_options = LW_GL_PRM_OPTIONS_INIT;
+  gl_options.reconstruct = reconstruct;
   lw_gl_prm* raw = nullptr;
-  container.check(lw_gl_prm_create(gl, prm.get(), nullptr, &raw));
+  container.check(lw_gl_prm_create(gl, prm.get(), &gl_options, &raw));
   const cli::GlPrmHandle gl_prm(raw);
   // Two lamps in turn, so that no frame finds what it needs already summed: far from each other, or as one that moves slowly. Their shadow maps are made
   // beforehand: direct light needs them, too.
@@ -189,7 +193,6 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
       atlas_rgba(size_t(info.width) * info.height * 4);
   std::vector<float> scratch(lw_prm_scratch_bytes(prm.get()) / sizeof(float) + 1);
 
-  const bool panes = info.layout == LW_PRM_PANES;
   // The lamp that creeps, on the CPU: what has not changed stays.
   lw_prm_state* raw_state = nullptr;
   container.check(lw_prm_state_create(prm.get(), &raw_state));
@@ -209,29 +212,30 @@ void measure(const Options& options, const std::filesystem::path& file, lw_gl* g
     if (brightest >= info.clusters) continue;
     lw_prm_options prm_options = LW_PRM_OPTIONS_INIT;
     prm_options.brightest = brightest;
-    const auto relit = [&] { relight(0), glFinish(); };
     const auto drawn = [&] { container.check(lw_gl_evaluate(gl_prm.get(), &prm_options)), glFinish(); };
+    const auto summed = [&] {
+      if (!panes) container.check(lw_gl_update_coefficients(gl_prm.get()));
+      glFinish();
+    };
+    // What is timed shows the other lamp of the pair than what came before it.
+    const auto frame = [&](int pair) { relight(pair), drawn(); };
     const auto evaluate = timeInTurn(
-        options.repeats, {{drawn, relit},
+        options.repeats, {{drawn, [&] { frame(0), relight(0), glFinish(); }},
                           {[&] { paper.draw(), glFinish(); }},
                           {[&] {
                             container.check(lw_prm_evaluate(prm.get(), cluster_rgb.data(), &prm_options, scratch.data(), scratch.size() * sizeof(float),
                                                             atlas_rgba.data()));
                           }},
-                          {[&] {
-                             if (!panes) container.check(lw_gl_update_coefficients(gl_prm.get()));
-                             glFinish();
-                           },
-                           relit},
-                          {[&] { relight(0), drawn(); }},
-                          {[&] { relight(1), drawn(); }, [&] { relight(1), drawn(); }},
+                          {summed, [&] { relight(0), summed(), relight(0), glFinish(); }},
+                          {[&] { frame(0); }, [&] { frame(0); }},
+                          {[&] { frame(1); }, [&] { frame(1); }},
                           {[&] {
                              container.check(lw_prm_state_update(state.get(), creeping_cluster_rgb[turn].data(), &prm_options, kept_rgba.data(), nullptr));
                            },
                            [&] { turn ^= 1; }}});
     const std::string what =
         panes ? (brightest ? "brightest " + std::to_string(brightest) + " of " : "all ") + std::to_string(info.clusters) + " panes"
-              : "local bases";
+              : reconstruct ? "local bases, by shader" : "local bases";
     rows.push_back({{"container", file.filename().string()},
                     {"atlas", info.width},
                     {"texels", info.texels},
@@ -267,7 +271,8 @@ void run(const Options& options) {
   const cli::GlHandle gl(raw);
   std::fprintf(stderr, "%s\n", context.description().c_str());
   json rows = json::array();
-  for (const auto& file : options.containers) measure(options, file, gl.get(), rows);
+  for (const auto& file : options.containers)
+    for (const uint32_t reconstruct : {LW_GL_RECONSTRUCT_AUTO, LW_GL_RECONSTRUCT_SHADER}) measure(options, file, reconstruct, gl.get(), rows);
   if (options.json) {
     std::printf("%s\n", json{{"renderer", context.description()}, {"rows", rows}}.dump(1).c_str());
     return;

@@ -56,16 +56,21 @@ inline lw_prm* retain(const lw_prm& prm) {
 /// Memory of the sums over the links, parts of one piece of scratch.
 struct SumMemory {
   SumMemory(const lw_prm& prm, float* scratch)
-      : wavelet_rgb(scratch), applied_rgb(scratch + prm.tree.wavelets() * 3), sums(scratch + prm.tree.wavelets() * 6),
+      : wavelet_rgb(scratch), power(scratch + prm.tree.wavelets() * 3), cost(power + prm.tree.wavelets()), chosen(reinterpret_cast<uint32_t*>(cost + prm.tree.wavelets())),
+        applied_rgb(scratch + prm.tree.wavelets() * 6), sums(applied_rgb + prm.tree.wavelets() * 3),
         touched(reinterpret_cast<uint8_t*>(sums + prm.links.blocks() * prm.links.stride())) {}
-  static size_t floats(const lw_prm& prm) { return prm.tree.wavelets() * 6 + prm.links.blocks() * prm.links.stride() + (prm.links.blocks() + 3) / 4; }
+  static size_t floats(const lw_prm& prm) { return prm.tree.wavelets() * 9 + prm.links.blocks() * prm.links.stride() + (pieces(prm) + 3) / 4; }
+  static size_t pieces(const lw_prm& prm) { return prm.links.blocks() * (prm.links.stride() / 8); }
   /// Dark: where every update has to start once.
-  void clear(const lw_prm& prm) { std::memset(applied_rgb, 0, (floats(prm) - prm.tree.wavelets() * 3) * sizeof(float)); }
+  void clear(const lw_prm& prm) { std::memset(applied_rgb, 0, (floats(prm) - prm.tree.wavelets() * 6) * sizeof(float)); }
+  LinkChange change() const { return {wavelet_rgb, applied_rgb, sums, touched, power, cost, chosen}; }
 
-  float* wavelet_rgb;  // [wavelets][3]: the light to sum
-  float* applied_rgb;  // [wavelets][3]: what `sums` stand for
-  float* sums;         // [blocks][stride]; irradiance = Σ_k basisValue(basis[k]) sums[k] scale[k]
-  uint8_t* touched;    // [blocks]: 1 where sums have changed
+  float* wavelet_rgb;          // [wavelets][3]: the light to sum
+  float *power, *cost;         // [wavelets], of an update
+  uint32_t* chosen;            // [wavelets], of an update
+  float* applied_rgb;          // [wavelets][3]: what `sums` stand for
+  float* sums;                 // [blocks][stride]; irradiance = Σ_k basisValue(basis[k]) sums[k] scale[k]
+  uint8_t* touched;            // [blocks][stride / 8]: 1 where sums have changed
 };
 
 /// Luminance of a cluster's contribution to the atlas, by which the brightest are chosen. `pane_sum_rgb` is null for local bases.

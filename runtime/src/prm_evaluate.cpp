@@ -13,7 +13,7 @@ namespace lightwell::runtime {
 
 bool isIrradiance(const float* values, size_t count) {
   bool good = true;
-  for (size_t i = 0; i < count; ++i) good &= values[i] >= 0.0f && values[i] <= FLT_MAX;
+  for (size_t i = 0; i < count; ++i) good &= (values[i] >= 0.0f) & (values[i] <= FLT_MAX);
   return good;
 }
 
@@ -86,36 +86,44 @@ void addPane(const uint16_t* pane, uint32_t texels, const float* irradiance_rgb,
   }
 }
 
+/// Values to their texels.
+void scatter(const lw_prm& prm, uint32_t first, uint32_t end, const float* values_rgba, float* atlas_rgba) {
+  for (uint32_t i = first; i < end; ++i) std::memcpy(atlas_rgba + size_t(prm.texel[i]) * 4, values_rgba + (i - first) * 4, 4 * sizeof(float));
+}
+
 /// A tile of texels at a time, so that the sums stay in the first-level cache while panes stream past.
-void evaluatePanes(const lw_prm& prm, const float* irradiance_rgb, const Weight* weights, uint32_t weight_count, const float* scale_rgb,
-                   float* rgba) {
-  constexpr uint32_t kTile = 512;
+void evaluatePanes(const lw_prm& prm, const lw_prm_options& options, const float* irradiance_rgb, const Weight* weights, uint32_t weight_count,
+                   const float* scale_rgb, float* rgba) {
   const uint32_t texels = prm.header.texels;
-  for (uint32_t first = 0; first < texels; first += kTile) {
-    const uint32_t count = std::min(kTile, texels - first);
-    float r[kTile] = {}, g[kTile] = {}, b[kTile] = {};
+  for (uint32_t first = 0; first < texels; first += kTileTexels) {
+    const uint32_t count = std::min(kTileTexels, texels - first);
+    float r[kTileTexels] = {}, g[kTileTexels] = {}, b[kTileTexels] = {}, values_rgba[kTileTexels * 4];
     for (uint32_t w = 0; w < weight_count; ++w) {
       const size_t cluster = weights[w].cluster, value = cluster * texels + first;
       if (prm.pane_half.empty()) addPane(&prm.pane_rgb9e5[value], count, irradiance_rgb + cluster * 3, r, g, b);
       else addPane(&prm.pane_half[value * 3], count, irradiance_rgb + cluster * 3, r, g, b);
     }
     for (uint32_t i = 0; i < count; ++i) {
-      float* texel = rgba + size_t(prm.texel[first + i]) * 4;
-      texel[0] = sane(r[i] * scale_rgb[0]);
-      texel[1] = sane(g[i] * scale_rgb[1]);
-      texel[2] = sane(b[i] * scale_rgb[2]);
-      texel[3] = 1.0f;
+      float* value = values_rgba + i * 4;
+      value[0] = sane(r[i] * scale_rgb[0]);
+      value[1] = sane(g[i] * scale_rgb[1]);
+      value[2] = sane(b[i] * scale_rgb[2]);
+      value[3] = 1.0f;
     }
+    addConstants(prm, options, first, first + count, values_rgba);
+    scatter(prm, first, first + count, values_rgba, rgba);
   }
 }
 
-void evaluateLocalBases(const lw_prm& prm, const float* irradiance_rgb, float tolerance, float* scratch, float* rgba) {
+void evaluateLocalBases(const lw_prm& prm, const lw_prm_options& options, const float* irradiance_rgb, float* scratch, float* rgba) {
   const int8_t* basis = prm.basis.data();
   SumMemory memory(prm, scratch);
   memory.clear(prm);
   prm.tree.transform(irradiance_rgb, memory.wavelet_rgb);
-  prm.links.update(memory.wavelet_rgb, tolerance, memory.applied_rgb, memory.sums, memory.touched);
-  for (uint32_t block = 0; block < prm.header.blocks; ++block) basis = reconstructBlock(prm, block, basis, memory.sums + block * prm.links.stride(), rgba);
+  prm.links.update(memory.change(), options.tolerance);
+  for (uint32_t block = 0; block < prm.header.blocks; ++block)
+    basis = showBlock(prm, options, block, basis, memory.sums + block * prm.links.stride(),
+                      [&](uint32_t first, uint32_t end, const float* values_rgba) { scatter(prm, first, end, values_rgba, rgba); });
 }
 
 }  // namespace
@@ -143,11 +151,10 @@ lw_result lw_prm_evaluate(const lw_prm* prm, const float* cluster_irradiance_rgb
     auto* weights = static_cast<Weight*>(scratch);
     float scale_rgb[3];
     const uint32_t count = selectBrightest(*prm, cluster_irradiance_rgb, options.brightest, options.keep_energy != 0, weights, scale_rgb);
-    evaluatePanes(*prm, cluster_irradiance_rgb, weights, count, scale_rgb, atlas_rgba);
+    evaluatePanes(*prm, options, cluster_irradiance_rgb, weights, count, scale_rgb, atlas_rgba);
   } else {
-    evaluateLocalBases(*prm, cluster_irradiance_rgb, options.tolerance, static_cast<float*>(scratch), atlas_rgba);
+    evaluateLocalBases(*prm, options, cluster_irradiance_rgb, static_cast<float*>(scratch), atlas_rgba);
   }
-  addConstants(*prm, options, 0, prm->header.texels, atlas_rgba);
   if (options.fill) fillFromSources(prm->source.data(), prm->source.size(), atlas_rgba);
   return LW_OK;
 }

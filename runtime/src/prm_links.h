@@ -19,57 +19,55 @@ struct StoredLinks {
   const int8_t* coefficient;          // per block [rank][G, R - G, B - G][link]
 };
 
-/// Links wavelet by wavelet, in the order of the blocks within each.
+/// Links cut into pieces of eight numbers, [rank][3] of a block one after the other, wavelet by wavelet. Pieces of zeros, which are many, are left out.
 struct LinkArrays {
-  size_t wavelets, stride;            // stride: floats from one block's sums to the next one's
-  const float* power;                 // [wavelets]: what a unit of it adds to the texels' squares, per link; the largest is 1
-  const uint32_t* first_link;         // [wavelets + 1]
-  const uint64_t* first_coefficient;  // [wavelets]
-  const uint32_t* link_block;         // [links]
-  const uint16_t* numbers;            // [blocks]: 3 × rank, the coefficients of a link
-  const int8_t* coefficient;          // per link [rank][3]; readable up to a stride after the last
+  size_t wavelets;
+  const float* power;                 // [wavelets]: what a unit of it adds to the texels' squares, per piece; the largest is 1
+  const uint32_t* first_piece;        // [wavelets + 1]
+  const uint32_t* place;              // [pieces]: index of a piece in the sums; the two highest bits: the channel of its first number
+  const int8_t* coefficient;          // [pieces][8]
 };
 
-/// What sums are to be brought to.
+inline constexpr int kChannelShift = 30;
+
+/// What sums are to be brought to, and room to find out what that takes.
 struct LinkChange {
   const float* wavelet_rgb;  // [wavelets][3]
   float* applied_rgb;        // [wavelets][3]: what the sums stand for
   float* sums;               // [blocks][stride]
-  uint8_t* touched;          // [blocks], set to 1 where a sum changes
-  float least, scale;        // changes whose square, of light times `scale`, times power is less stay out
+  uint8_t* touched;          // [blocks][stride / 8], set to 1 where a sum changes
+  float* power;              // [wavelets]: of the change, per piece; left behind
+  float* cost;               // [wavelets]: of the change, over all its pieces; left behind
+  uint32_t* chosen;          // [wavelets]: those whose pieces are read; left behind
 };
 
-/// Returns whether the machine could; `read`: receives the number of links.
-bool addChangesAvx2(const LinkArrays& links, const LinkChange& change, size_t& read);
+/// Brings the sums to the light; see PrmLinks::update. Returns whether the machine could; `read`: receives the number of pieces.
+bool addChangesAvx2(const LinkArrays& links, const LinkChange& change, float tolerance, size_t& read);
 
 class PrmLinks {
  public:
   /// False when there is no memory.
   bool load(const Host& host, const StoredLinks& stored);
 
-  /// Floats from one block's sums to the next one's; those after the block's own 3 × rank are left-overs.
+  /// Floats from one block's sums to the next one's, a multiple of eight.
   size_t stride() const { return stride_; }
-  size_t blocks() const { return numbers_.size(); }
+  size_t blocks() const { return first_scale_.size(); }
   /// Amount of the basis maps of a block per unit of its sums: [rank][3].
   const float* scale(size_t block) const { return &scale_[first_scale_[block]]; }
 
-  /// Brings `sums`, [blocks][stride], from the light `applied_rgb` to the light `wavelet_rgb`, both [wavelets][3]. Changes so small that all of them together
-  /// are below `tolerance` of the light's root mean square are left for later; `applied_rgb` receives what the sums stand for now.
-  /// `touched`: [blocks], receives 1 where a sum changed. Returns how many links were read.
-  size_t update(const float* wavelet_rgb, float tolerance, float* applied_rgb, float* sums, uint8_t* touched) const;
+  /// Brings the sums from the light that they stand for to `change.wavelet_rgb`. Changes so small that all of them together are below `tolerance` of the light's root mean square
+  /// are left for later. Returns how many pieces were read.
+  size_t update(const LinkChange& change, float tolerance) const;
 
  private:
   LinkArrays arrays() const;
-  void leaveOut(const LinkArrays& links, float tolerance, LinkChange& change) const;
 
   size_t stride_ = 0;
-  Array<uint16_t> numbers_;             // [blocks]
   Array<uint32_t> first_scale_;         // [blocks]
   Array<float> scale_;                  // per block [rank][3]
   Array<float> power_;                  // these as in LinkArrays
-  Array<uint32_t> first_link_;
-  Array<uint64_t> first_coefficient_;
-  Array<uint32_t> link_block_;
+  Array<uint32_t> first_piece_;
+  Array<uint32_t> place_;
   Array<int8_t> coefficient_;
 };
 

@@ -16,15 +16,15 @@ struct Eight {
 
 }  // namespace
 
-bool addChangesAvx2(const LinkArrays& links, const LinkChange& change, size_t& read) {
+bool addChangesAvx2(const LinkArrays& links, const LinkChange& change, float tolerance, size_t& read) {
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return false;
-  read = addChanges<Eight>(links, change);
+  read = addChanges<Eight>(links, change, tolerance);
   return true;
 }
 
 }  // namespace lightwell::runtime
 #else
 namespace lightwell::runtime {
-bool addChangesAvx2(const LinkArrays&, const LinkChange&, size_t&) { return false; }
+bool addChangesAvx2(const LinkArrays&, const LinkChange&, float, size_t&) { return false; }
 }  // namespace lightwell::runtime
 #endif

@@ -1,5 +1,5 @@
 // Local bases from frame to frame: blocks whose sums have not changed are left as they are in the caller's atlas.
-#include "lightwell/lightwell_prm_state.h"
+#include "runtime/src/prm_state.h"
 
 #include <algorithm>
 #include <cstring>
@@ -7,6 +7,15 @@
 #include "runtime/src/container.h"
 #include "runtime/src/prm_reconstruct.h"
 #include "runtime/src/running_sums.h"
+
+namespace lightwell::runtime {
+
+/// A texel of the atlas, and the value that it shows.
+struct Shown {
+  uint32_t texel, value;
+};
+
+}  // namespace lightwell::runtime
 
 struct lw_prm_state {
   template <class T>
@@ -18,8 +27,9 @@ struct lw_prm_state {
   lw_prm* prm = nullptr;              // one of its owners
   lightwell::runtime::RunningSums sums;
   Array<uint32_t> scratch;            // of lw_prm_evaluate, for panes
-  Array<uint32_t> first_copy, copy;   // [texels + 1]; of each value, the texels of the atlas that show it besides its own
-  const float* atlas_rgba = nullptr;  // that shows the sums; null: none does
+  Array<uint32_t> first_shown;        // [texels + 1]; of each value, in `shown`
+  Array<lightwell::runtime::Shown> shown;  // where gaps are filled, value after value
+  const void* atlas = nullptr;        // that shows the sums; null: none does
   lw_prm_options options{};           // it was drawn with
 };
 
@@ -27,90 +37,88 @@ namespace lightwell::runtime {
 namespace {
 
 /// The atlas's sources the other way round.
-bool listCopies(const lw_prm& prm, lw_prm_state& state) {
+bool listShown(const lw_prm& prm, lw_prm_state& state) {
   const size_t texels = prm.texel.size(), atlas = prm.source.size();
   Array<uint32_t> value;  // of a texel of the atlas
-  if (!value.allocate(state.host, atlas) || !state.first_copy.allocate(state.host, texels + 1)) return false;
+  if (!value.allocate(state.host, atlas) || !state.first_shown.allocate(state.host, texels + 1)) return false;
   std::fill_n(value.data(), atlas, kNone);
   for (size_t i = 0; i < texels; ++i) value[prm.texel[i]] = uint32_t(i);
-  const auto shown = [&](size_t i) { return prm.source[i] != kNone && prm.source[i] != i ? value[prm.source[i]] : kNone; };
-  std::fill_n(state.first_copy.data(), texels + 1, 0u);
+  const auto valueOf = [&](size_t i) { return prm.source[i] != kNone ? value[prm.source[i]] : kNone; };
+  std::fill_n(state.first_shown.data(), texels + 1, 0u);
   for (size_t i = 0; i < atlas; ++i)
-    if (shown(i) != kNone) ++state.first_copy[shown(i) + 1];
-  for (size_t i = 0; i < texels; ++i) state.first_copy[i + 1] += state.first_copy[i];
-  if (!state.copy.allocate(state.host, state.first_copy[texels])) return false;
+    if (valueOf(i) != kNone) ++state.first_shown[valueOf(i) + 1];
+  for (size_t i = 0; i < texels; ++i) state.first_shown[i + 1] += state.first_shown[i];
+  if (!state.shown.allocate(state.host, state.first_shown[texels])) return false;
   for (size_t i = 0; i < atlas; ++i)
-    if (shown(i) != kNone) state.copy[state.first_copy[shown(i)]++] = uint32_t(i);
-  for (size_t i = texels; i > 0; --i) state.first_copy[i] = state.first_copy[i - 1];  // each had moved to its end
-  state.first_copy[0] = 0;
+    if (const uint32_t v = valueOf(i); v != kNone) state.shown[state.first_shown[v]++] = {uint32_t(i), v};
+  for (size_t i = texels; i > 0; --i) state.first_shown[i] = state.first_shown[i - 1];  // each had moved to its end
+  state.first_shown[0] = 0;
   return true;
 }
 
-/// What was written, in rows.
-class Written {
- public:
-  explicit Written(uint32_t width) : width_(width) {}
-  void add(size_t texel) {
-    const uint32_t row = uint32_t(texel / width_);
-    first_ = std::min(first_, row);
-    end_ = std::max(end_, row + 1);
-    ++texels_;
-  }
-  lw_prm_changes changes() const { return texels_ ? lw_prm_changes{texels_, first_, end_ - first_} : lw_prm_changes{0, 0, 0}; }
-
- private:
-  uint32_t width_, texels_ = 0, first_ = UINT32_MAX, end_ = 0;
+/// A texel of the atlas: as values are, or as half floats.
+struct Floats {
+  float rgba[4];
+};
+struct Halfs {
+  uint16_t rgba[4];
 };
 
-/// What is filled with a value of a block that was written: texels that show it, and those of the block that show another one's value, as buried ones do.
-void fillAround(const lw_prm_state& state, uint32_t value, float* atlas_rgba, Written& written) {
-  const lw_prm& prm = *state.prm;
-  const uint32_t own = prm.texel[value], source = prm.source[own];
-  const auto copy = [&](size_t to, size_t from) { std::memcpy(atlas_rgba + to * 4, atlas_rgba + from * 4, 4 * sizeof(float)); };
-  if (source == own) written.add(own);
-  else if (source == kNone) std::memset(atlas_rgba + size_t(own) * 4, 0, 4 * sizeof(float));
-  else copy(own, source);
-  for (uint32_t c = state.first_copy[value]; c < state.first_copy[value + 1]; ++c) {
-    copy(state.copy[c], own);
-    written.add(state.copy[c]);
-  }
-}
+void pack(const float* values_rgba, uint32_t count, Floats* texels) { std::memcpy(texels, values_rgba, count * sizeof(Floats)); }
 
-/// Writes the texels of blocks that have changed.
-lw_prm_changes drawTouched(lw_prm_state& state, const lw_prm_options& options, float* atlas_rgba) {
+void pack(const float* values_rgba, uint32_t count, Halfs* texels) { packHalfs(values_rgba, count, texels->rgba); }
+
+/// Writes the texels of blocks that have changed; `all`: of all blocks, and nothing elsewhere.
+template <class Texel>
+lw_prm_changes draw(lw_prm_state& state, const lw_prm_options& options, bool all, Texel* atlas) {
   const lw_prm& prm = *state.prm;
+  if (all) std::memset(static_cast<void*>(atlas), 0, prm.source.size() * sizeof(Texel));
   const int8_t* basis = prm.basis.data();
+  uint32_t written = 0, least = UINT32_MAX, most = 0;
+  const auto write = [&](uint32_t texel, const Texel& value) {
+    atlas[texel] = value;
+    ++written;
+    least = std::min(least, texel);
+    most = std::max(most, texel);
+  };
   for (uint32_t block = 0; block < prm.header.blocks; ++block) {
-    const uint32_t first = prm.block_first_texel[block], end = prm.block_first_texel[block + 1];
-    if (!state.sums.touched(prm, block)) {
-      basis += size_t(prm.block_rank[block]) * (end - first);
+    if (!all && !state.sums.touched(prm, block)) {
+      basis += size_t(prm.block_rank[block]) * (prm.block_first_texel[block + 1] - prm.block_first_texel[block]);
       continue;
     }
-    basis = reconstructBlock(prm, block, basis, state.sums.sums(prm, block), atlas_rgba);
-    addConstants(prm, options, first, end, atlas_rgba);
+    basis = showBlock(prm, options, block, basis, state.sums.sums(prm, block), [&](uint32_t first, uint32_t end, const float* values_rgba) {
+      Texel texels[kTileTexels];
+      pack(values_rgba, end - first, texels);
+      if (options.fill)
+        for (uint32_t i = state.first_shown[first]; i < state.first_shown[end]; ++i) write(state.shown[i].texel, texels[state.shown[i].value - first]);
+      else
+        for (uint32_t i = first; i < end; ++i) write(prm.texel[i], texels[i - first]);
+    });
   }
-  Written written(prm.width);
-  for (uint32_t block = 0; block < prm.header.blocks; ++block) {
-    if (!state.sums.touched(prm, block)) continue;
-    for (uint32_t i = prm.block_first_texel[block]; i < prm.block_first_texel[block + 1]; ++i) {
-      if (options.fill) fillAround(state, i, atlas_rgba, written);
-      else written.add(prm.texel[i]);
-    }
-  }
-  return written.changes();
+  if (all) return {uint32_t(prm.source.size()), 0, prm.height};
+  return written ? lw_prm_changes{written, least / prm.width, most / prm.width - least / prm.width + 1} : lw_prm_changes{0, 0, 0};
 }
 
-lw_prm_changes drawAll(lw_prm_state& state, const lw_prm_options& options, float* atlas_rgba) {
+template <class Texel>
+lw_result update(lw_prm_state& state, const float* cluster_rgb, const lw_prm_options* given, Texel* atlas, lw_prm_changes& changes) {
   const lw_prm& prm = *state.prm;
-  std::memset(atlas_rgba, 0, prm.source.size() * 4 * sizeof(float));
-  const int8_t* basis = prm.basis.data();
-  for (uint32_t block = 0; block < prm.header.blocks; ++block) basis = reconstructBlock(prm, block, basis, state.sums.sums(prm, block), atlas_rgba);
-  addConstants(prm, options, 0, prm.header.texels, atlas_rgba);
-  if (options.fill) fillFromSources(prm.source.data(), prm.source.size(), atlas_rgba);
-  return {uint32_t(prm.source.size()), 0, prm.height};
+  lw_prm_options options;
+  if (!resolveOptions(given, options)) return prm.host.fail(LW_INVALID_ARGUMENT, "lw_prm_options: a value is out of range");
+  if (!isIrradiance(cluster_rgb, size_t(prm.header.clusters) * 3)) return prm.host.fail(LW_INVALID_ARGUMENT, "an irradiance is negative or not finite");
+  state.sums.update(prm, cluster_rgb, options.tolerance);
+  changes = draw(state, options, state.atlas != atlas || !showTheSame(state.options, options), atlas);
+  state.sums.forget(prm);
+  state.atlas = atlas;
+  state.options = options;
+  return LW_OK;
 }
 
 }  // namespace
+
+lw_result updateHalfs(lw_prm_state& state, const float* cluster_rgb, const lw_prm_options& options, uint16_t* atlas_rgba, lw_prm_changes& changes) {
+  return update(state, cluster_rgb, &options, reinterpret_cast<Halfs*>(atlas_rgba), changes);
+}
+
 }  // namespace lightwell::runtime
 
 using namespace lightwell::runtime;
@@ -121,7 +129,7 @@ lw_result lw_prm_state_create(const lw_prm* prm, lw_prm_state** out) {
   if (!state) return prm->host.fail(LW_OUT_OF_MEMORY, "no memory for a state");
   state->prm = retain(*prm);
   const bool panes = !prm->pane_sum_rgb.empty();
-  if (panes ? !state->scratch.allocate(prm->host, lw_prm_scratch_bytes(prm) / sizeof(uint32_t)) : !state->sums.allocate(prm->host, *prm) || !listCopies(*prm, *state)) {
+  if (panes ? !state->scratch.allocate(prm->host, lw_prm_scratch_bytes(prm) / sizeof(uint32_t)) : !state->sums.allocate(prm->host, *prm) || !listShown(*prm, *state)) {
     lw_prm_state_release(state);
     return prm->host.fail(LW_OUT_OF_MEMORY, "no memory for a state of %u blocks and %u texels", prm->header.blocks, prm->header.texels);
   }
@@ -132,26 +140,15 @@ lw_result lw_prm_state_create(const lw_prm* prm, lw_prm_state** out) {
 void lw_prm_state_release(lw_prm_state* state) { destroyHandle(state); }
 
 void lw_prm_state_forget(lw_prm_state* state) {
-  if (state) state->atlas_rgba = nullptr;
+  if (state) state->atlas = nullptr;
 }
 
 lw_result lw_prm_state_update(lw_prm_state* state, const float* cluster_irradiance_rgb, const lw_prm_options* given, float* atlas_rgba, lw_prm_changes* changes) {
   if (!state || !cluster_irradiance_rgb || !atlas_rgba) return LW_INVALID_ARGUMENT;
   const lw_prm& prm = *state->prm;
   lw_prm_changes changed{uint32_t(prm.source.size()), 0, prm.height};
-  if (!state->scratch.empty()) {
-    const lw_result result = lw_prm_evaluate(&prm, cluster_irradiance_rgb, given, state->scratch.data(), state->scratch.size() * sizeof(uint32_t), atlas_rgba);
-    if (result != LW_OK) return result;
-  } else {
-    lw_prm_options options;
-    if (!resolveOptions(given, options)) return prm.host.fail(LW_INVALID_ARGUMENT, "lw_prm_options: a value is out of range");
-    if (!isIrradiance(cluster_irradiance_rgb, size_t(prm.header.clusters) * 3)) return prm.host.fail(LW_INVALID_ARGUMENT, "an irradiance is negative or not finite");
-    state->sums.update(prm, cluster_irradiance_rgb, options.tolerance);
-    changed = state->atlas_rgba == atlas_rgba && showTheSame(state->options, options) ? drawTouched(*state, options, atlas_rgba) : drawAll(*state, options, atlas_rgba);
-    state->sums.forget(prm);
-    state->atlas_rgba = atlas_rgba;
-    state->options = options;
-  }
-  if (changes) *changes = changed;
-  return LW_OK;
+  const lw_result result = state->scratch.empty() ? update(*state, cluster_irradiance_rgb, given, reinterpret_cast<Floats*>(atlas_rgba), changed)
+                                                  : lw_prm_evaluate(&prm, cluster_irradiance_rgb, given, state->scratch.data(), state->scratch.size() * sizeof(uint32_t), atlas_rgba);
+  if (result == LW_OK && changes) *changes = changed;
+  return result;
 }

@@ -11,7 +11,13 @@ bool RunningSums::allocate(const Host& host, const lw_prm& prm) {
   return true;
 }
 
-void RunningSums::forget(const lw_prm& prm) { std::memset(SumMemory(prm, scratch_.data()).touched, 0, prm.links.blocks()); }
+void RunningSums::forget(const lw_prm& prm) { std::memset(SumMemory(prm, scratch_.data()).touched, 0, SumMemory::pieces(prm)); }
+
+bool RunningSums::touched(const lw_prm& prm, size_t block) const {
+  const size_t pieces = prm.links.stride() / 8;
+  const uint8_t* of_block = SumMemory(prm, const_cast<float*>(scratch_.data())).touched + block * pieces;
+  return std::any_of(of_block, of_block + pieces, [](uint8_t t) { return t != 0; });
+}
 
 void RunningSums::update(const lw_prm& prm, const float* cluster_rgb, float tolerance) {
   // Differences of floats leave their rounding behind: it is swept out before it can add up, and before it can outshine a light that is left.
@@ -20,21 +26,22 @@ void RunningSums::update(const lw_prm& prm, const float* cluster_rgb, float tole
   SumMemory memory(prm, scratch_.data());
   prm.tree.transform(cluster_rgb, memory.wavelet_rgb);
   float brightest = 0;
-  size_t lit = 0, changed = 0;
-  for (size_t w = 0; w < prm.tree.wavelets(); ++w) {
-    const float *to = memory.wavelet_rgb + w * 3, *from = memory.applied_rgb + w * 3;
-    brightest = std::max({brightest, std::fabs(to[0]), std::fabs(to[1]), std::fabs(to[2])});
-    lit += to[0] != 0 || to[1] != 0 || to[2] != 0;
-    changed += to[0] != from[0] || to[1] != from[1] || to[2] != from[2];
+  int32_t lit = 0, changed = 0;  // numbers of the wavelets
+#pragma omp simd reduction(max : brightest) reduction(+ : lit, changed)
+  for (size_t i = 0; i < prm.tree.wavelets() * 3; ++i) {
+    const float to = memory.wavelet_rgb[i], bright = std::fabs(to);
+    brightest = brightest > bright ? brightest : bright;
+    lit += to != 0;
+    changed += to != memory.applied_rgb[i];
   }
   if (++updates_ > kMostUpdates || lit < changed || brightest * kMostContrast < brightest_) {
     memory.clear(prm);
-    std::memset(memory.touched, 1, prm.links.blocks());
+    std::memset(memory.touched, 1, SumMemory::pieces(prm));
     updates_ = 0;
     brightest_ = 0;
   }
   brightest_ = std::max(brightest_, brightest);
-  prm.links.update(memory.wavelet_rgb, tolerance, memory.applied_rgb, memory.sums, memory.touched);
+  prm.links.update(memory.change(), tolerance);
 }
 
 }  // namespace lightwell::runtime

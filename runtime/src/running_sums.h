@@ -13,9 +13,9 @@ class RunningSums {
   void update(const lw_prm& prm, const float* cluster_rgb, float tolerance);
 
   /// [PrmLinks::stride()] of a block.
-  const float* sums(const lw_prm& prm, size_t block) { return SumMemory(prm, scratch_.data()).sums + block * prm.links.stride(); }
+  const float* sums(const lw_prm& prm, size_t block) const { return SumMemory(prm, const_cast<float*>(scratch_.data())).sums + block * prm.links.stride(); }
   /// Whether a block's sums changed since the last forget().
-  bool touched(const lw_prm& prm, size_t block) { return SumMemory(prm, scratch_.data()).touched[block] != 0; }
+  bool touched(const lw_prm& prm, size_t block) const;
   void forget(const lw_prm& prm);
 
  private:

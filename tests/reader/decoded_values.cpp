@@ -90,12 +90,12 @@ void putPrm(const lw_prm& prm) {
   put("prm.wavelets_of_clusters", wavelets);
   std::vector<float> sums_of_wavelets;
   for (size_t w = 0; w < count; ++w) {
-    std::vector<float> to(count * 3), from(count * 3), sums(prm.links.blocks() * stride);
-    std::vector<uint8_t> touched(prm.links.blocks());
-    to[w * 3] = to[w * 3 + 1] = to[w * 3 + 2] = 1;
-    prm.links.update(to.data(), 0, from.data(), sums.data(), touched.data());
+    std::vector<float> scratch(runtime::SumMemory::floats(prm));
+    const runtime::SumMemory memory(prm, scratch.data());
+    for (size_t k = 0; k < 3; ++k) memory.wavelet_rgb[w * 3 + k] = 1;
+    prm.links.update(memory.change(), 0);
     for (size_t b = 0; b < prm.links.blocks(); ++b)
-      sums_of_wavelets.insert(sums_of_wavelets.end(), &sums[b * stride], &sums[b * stride] + prm.block_rank[b] * 3);
+      sums_of_wavelets.insert(sums_of_wavelets.end(), memory.sums + b * stride, memory.sums + b * stride + prm.block_rank[b] * 3);
   }
   put("prm.sums_of_wavelets", sums_of_wavelets);
 }

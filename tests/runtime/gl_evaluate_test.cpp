@@ -1,4 +1,5 @@
 // The GL evaluator against the plain double-precision sum and against the CPU.
+#include "format/decode/pixel.h"
 #include "tests/runtime/gl_fixture.h"
 #include "tests/runtime/rectangle_entries.h"
 
@@ -8,17 +9,37 @@ namespace {
 class GlEvaluate : public GlFixture {};
 LW_INSTANTIATE_GL(GlEvaluate);
 
+/// Local bases, reconstructed on either side.
+class GlReconstruct : public GlFixture {
+ protected:
+  template <class Test>
+  void onBothSides(Test test) {
+    for (const uint32_t side : kReconstructions) {
+      SCOPED_TRACE(side);
+      reconstruct = side;
+      test();
+      if (HasFatalFailure()) return;
+    }
+  }
+  void sumsAtTheirLimits();
+  void followsWhicheverLightCameLast();
+  void followsSmallChangesForLong();
+};
+LW_INSTANTIATE_GL(GlReconstruct);
+
 TEST_P(GlEvaluate, AgreesWithThePlainSumInEveryLayout) {
   for (const Layout layout : {Layout::panes_rgb9e5, Layout::panes_half, Layout::local_bases}) {
     SyntheticOptions options;
     options.layout = layout;
     load(options);
     const auto irradiance = randomIrradiance(options.clusters, 8);
-    for (const uint32_t format : {LW_GL_ATLAS_RGBA32F, LW_GL_ATLAS_RGBA16F}) {
+    for (const uint32_t variant : {0u, 1u, 2u, 3u}) {
+      const uint32_t format = variant & 1 ? LW_GL_ATLAS_RGBA16F : LW_GL_ATLAS_RGBA32F;
+      reconstruct = kReconstructions[variant >> 1];
       const GlPrm gl_prm = upload(format);
       ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
-      for (const uint32_t variant : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u}) {
-        const uint32_t emitters = variant & 3, fill = variant >> 2;
+      for (const uint32_t shown : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u}) {
+        const uint32_t emitters = shown & 3, fill = shown >> 2;
         lw_prm_options evaluate = LW_PRM_OPTIONS_INIT;
         evaluate.emitters = emitters;
         evaluate.fill = fill;
@@ -113,7 +134,7 @@ TEST_P(GlEvaluate, AveragesLightOverRectanglesAsTheCpuDoes) {
   }
 }
 
-TEST_P(GlEvaluate, SumsLocalBasesAtTheirLimits) {
+void GlReconstruct::sumsAtTheirLimits() {
   for (const SyntheticOptions& options : extremeLocalBases()) {
     load(options);
     const GlPrm gl_prm = upload();
@@ -124,9 +145,10 @@ TEST_P(GlEvaluate, SumsLocalBasesAtTheirLimits) {
     EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(irradiance)), 1e-5) << options.clusters << " clusters, " << options.blocks << " blocks";
   }
 }
+TEST_P(GlReconstruct, SumsAtTheirLimits) { onBothSides([&] { sumsAtTheirLimits(); }); }
 
 /// Amounts of blocks are summed from what was updated last, on whichever side.
-TEST_P(GlEvaluate, LocalBasesFollowWhicheverLightCameLast) {
+void GlReconstruct::followsWhicheverLightCameLast() {
   SyntheticOptions options;
   options.layout = Layout::local_bases;
   load(options);
@@ -148,9 +170,10 @@ TEST_P(GlEvaluate, LocalBasesFollowWhicheverLightCameLast) {
     EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(clusters)), most);
   }
 }
+TEST_P(GlReconstruct, FollowsWhicheverLightCameLast) { onBothSides([&] { followsWhicheverLightCameLast(); }); }
 
 /// Sums that are kept from frame to frame do not drift, forget no block, and hold a dim light after a bright one.
-TEST_P(GlEvaluate, FollowsSmallChangesForLong) {
+void GlReconstruct::followsSmallChangesForLong() {
   SyntheticOptions options;
   options.layout = Layout::local_bases;
   options.clusters = 300, options.blocks = 60;
@@ -177,6 +200,66 @@ TEST_P(GlEvaluate, FollowsSmallChangesForLong) {
   ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), &dark), LW_OK);
   const auto atlas = readAtlas(gl_prm.get());
   for (size_t i = 0; i < atlas.size(); ++i) ASSERT_TRUE(i % 4 == 3 || atlas[i] == 0.0f);
+}
+TEST_P(GlReconstruct, FollowsSmallChangesForLong) { onBothSides([&] { followsSmallChangesForLong(); }); }
+
+/// What the CPU uploads is the nearest half of each value, at most the greatest.
+TEST_P(GlReconstruct, RoundsToTheNearestHalf) {
+  SyntheticOptions options;
+  options.layout = Layout::local_bases;
+  load(options);
+  reconstruct = LW_GL_RECONSTRUCT_CPU;
+  const GlPrm gl_prm = upload(LW_GL_ATLAS_RGBA16F);
+  std::vector<uint32_t> scratch(lw_prm_scratch_bytes(prm.get()) / 4);
+  std::vector<float> cpu(synthetic.source.size() * 4);
+  const auto irradiance = randomIrradiance(options.clusters, 2);
+  size_t subnormal = 0, above = 0;
+  for (const float factor : {1.0f, 1e-7f, 1e7f}) {
+    auto scaled = irradiance;
+    for (float& e : scaled) e *= factor;
+    lw_prm_options evaluate = LW_PRM_OPTIONS_INIT;
+    evaluate.tolerance = 0, evaluate.emitters = LW_EMITTERS_OFF;
+    ASSERT_EQ(lw_prm_evaluate(prm.get(), scaled.data(), &evaluate, scratch.data(), scratch.size() * 4, cpu.data()), LW_OK);
+    ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), scaled.data()), LW_OK);
+    ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), &evaluate), LW_OK);
+    const auto atlas = readAtlas(gl_prm.get());
+    for (size_t i = 0; i < atlas.size(); ++i) {
+      ASSERT_EQ(atlas[i], format::unpackHalf(format::packHalf(std::min(cpu[i], 65504.0f)))) << cpu[i];
+      subnormal += atlas[i] > 0 && atlas[i] < 0x1p-14f;
+      above += cpu[i] > 65504.0f;
+    }
+  }
+  EXPECT_GT(subnormal, 100u);
+  EXPECT_GT(above, 100u);
+}
+
+TEST_P(GlReconstruct, MakesItsOwnAtlasOnly) {
+  SyntheticOptions options;
+  options.layout = Layout::local_bases;
+  load(options);
+  GLuint texture = 0;
+  glGenTextures(1, &texture);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, 64, 64, 0, GL_RGBA, GL_FLOAT, nullptr);
+  lw_gl_prm_options gl_options = LW_GL_PRM_OPTIONS_INIT;
+  gl_options.atlas_format = LW_GL_ATLAS_RGBA32F, gl_options.atlas_texture = texture;
+  const auto irradiance = randomIrradiance(options.clusters, 8);
+  for (const uint32_t side : {LW_GL_RECONSTRUCT_AUTO, LW_GL_RECONSTRUCT_SHADER}) {
+    gl_options.reconstruct = side;
+    lw_gl_prm* gl_prm = nullptr;
+    ASSERT_EQ(lw_gl_prm_create(gl, prm.get(), &gl_options, &gl_prm), LW_OK);
+    ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm, irradiance.data()), LW_OK);
+    ASSERT_EQ(lw_gl_evaluate(gl_prm, nullptr), LW_OK);
+    EXPECT_LT(relrmse(readAtlas(gl_prm), synthetic.evaluate(irradiance)), 1e-3);
+    lw_gl_prm_destroy(gl_prm);
+  }
+  lw_gl_prm* gl_prm = nullptr;
+  gl_options.reconstruct = LW_GL_RECONSTRUCT_CPU;
+  EXPECT_EQ(lw_gl_prm_create(gl, prm.get(), &gl_options, &gl_prm), LW_INVALID_ARGUMENT);
+  gl_options.atlas_texture = 0, gl_options.reconstruct = 3;
+  EXPECT_EQ(lw_gl_prm_create(gl, prm.get(), &gl_options, &gl_prm), LW_INVALID_ARGUMENT);
+  EXPECT_EQ(gl_prm, nullptr);
+  glDeleteTextures(1, &texture);
 }
 
 /// Lists longer than a row and than a layer of a texture (2048 and 2048²) keep their order.

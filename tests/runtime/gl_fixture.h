@@ -15,6 +15,8 @@ namespace lightwell::test {
 /// relrmse of light at entries that are rectangles, against the CPU: GL's arctangents are coarse.
 inline constexpr double kRectangleError = 5e-5;
 
+inline constexpr uint32_t kReconstructions[] = {LW_GL_RECONSTRUCT_SHADER, LW_GL_RECONSTRUCT_CPU};
+
 using GlPrm = std::unique_ptr<lw_gl_prm, decltype(&lw_gl_prm_destroy)>;
 
 class GlFixture : public GlTest {
@@ -27,6 +29,7 @@ class GlFixture : public GlTest {
   GlPrm upload(uint32_t atlas_format = LW_GL_ATLAS_RGBA32F) {
     lw_gl_prm_options options = LW_GL_PRM_OPTIONS_INIT;
     options.atlas_format = atlas_format;
+    options.reconstruct = reconstruct;
     lw_gl_prm* uploaded = nullptr;
     EXPECT_EQ(lw_gl_prm_create(gl, prm.get(), &options, &uploaded), LW_OK) << message;
     return {uploaded, lw_gl_prm_destroy};
@@ -42,6 +45,7 @@ class GlFixture : public GlTest {
     return rgb;
   }
 
+  uint32_t reconstruct = LW_GL_RECONSTRUCT_SHADER;  // of what is uploaded
   SyntheticPrm synthetic;
   Container container;
   Prm prm{nullptr, lw_prm_release};

@@ -69,15 +69,23 @@ typedef struct lw_gl_prm lw_gl_prm;
 
 enum { LW_GL_ATLAS_RGBA16F = 0, LW_GL_ATLAS_RGBA32F = 1 };
 
+/* Who turns the sums of local bases into the atlas. Both show the same, up to rounding. */
+enum {
+  LW_GL_RECONSTRUCT_AUTO = 0,   /* the CPU where GL_RENDERER names a rasteriser in software, whose shaders run on it anyway, and the atlas is the library's own; else a shader */
+  LW_GL_RECONSTRUCT_SHADER = 1,
+  LW_GL_RECONSTRUCT_CPU = 2     /* as lw_prm_state_update does, then rows that have changed are uploaded; needs the library's own atlas */
+};
+
 typedef struct lw_gl_prm_options {
   size_t size;              /* sizeof(lw_gl_prm_options), set by LW_GL_PRM_OPTIONS_INIT */
   uint32_t atlas_format;    /* LW_GL_ATLAS_…; RGBA16F ends at 65504 lux; to filter RGBA32F on ES needs OES_texture_float_linear */
   uint32_t atlas_texture;   /* 0: own texture. Else a GL_TEXTURE_2D of the caller of that format, width × height or larger */
+  uint32_t reconstruct;     /* LW_GL_RECONSTRUCT_…; of no meaning for panes */
 } lw_gl_prm_options;
-#define LW_GL_PRM_OPTIONS_INIT {sizeof(lw_gl_prm_options), LW_GL_ATLAS_RGBA16F, 0}
+#define LW_GL_PRM_OPTIONS_INIT {sizeof(lw_gl_prm_options), LW_GL_ATLAS_RGBA16F, 0, LW_GL_RECONSTRUCT_AUTO}
 
 /* Uploads a transport. The caller may release `prm` afterwards: what is still needed of it (local bases) is kept. Waits for the GPU only as texture uploads do.
- * Fails with LW_LIMIT_EXCEEDED (texture sizes), LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT.
+ * On the CPU, LW_GL_RECONSTRUCT_CPU takes what an lw_prm_state does and 8 bytes a texel of the atlas (16 with RGBA32F). Fails with LW_LIMIT_EXCEEDED (texture sizes), LW_OUT_OF_MEMORY, LW_GL_FAILED, LW_INVALID_ARGUMENT.
  *
  * options: NULL for LW_GL_PRM_OPTIONS_INIT. */
 LW_API lw_result lw_gl_prm_create(lw_gl *gl, const lw_prm *prm, const lw_gl_prm_options *options, lw_gl_prm **gl_prm);

@@ -19,7 +19,7 @@ extern "C" {
 /* What an atlas shows. Belongs to one thread at a time; any number of states share an lw_prm. */
 typedef struct lw_prm_state lw_prm_state;
 
-/* Memory: lw_prm_scratch_bytes; with local bases also 4 bytes for each value and for each texel of the atlas that shows another one's. LW_OUT_OF_MEMORY without it; LW_INVALID_ARGUMENT for NULL.
+/* Memory: lw_prm_scratch_bytes; with local bases also 4 bytes for each value and 8 for each texel of the atlas that shows one. LW_OUT_OF_MEMORY without it; LW_INVALID_ARGUMENT for NULL.
  *
  * state: receives a handle, to be released with lw_prm_state_release. It needs no lw_prm that the caller keeps. */
 LW_API lw_result lw_prm_state_create(const lw_prm *prm, lw_prm_state **state);

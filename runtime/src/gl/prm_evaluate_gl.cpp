@@ -67,26 +67,30 @@ void evaluatePanes(const lw_gl_prm& prm, const lw_prm_options& options) {
   drawInto(prm, prm.atlas);
 }
 
+/// Brings the clusters' light to cluster_rgb, if it is not there.
+lw_result readClusters(lw_gl_prm& prm) {
+  if (prm.clusters_on_cpu) return LW_OK;
+  if (const lw_result result = readTarget(prm.context->api, prm.host, clusterLight(prm), prm.cluster_rgba.data())) return result;
+  for (size_t c = 0; c < prm.clusters; ++c) std::memcpy(&prm.cluster_rgb[c * 3], &prm.cluster_rgba[c * 4], 3 * sizeof(float));
+  prm.clusters_on_cpu = true;
+  return LW_OK;
+}
+
 /// Sums the blocks' amounts on the CPU, from the clusters' light as it was given or is read back, and uploads them.
 lw_result updateCoefficients(lw_gl_prm& prm, float tolerance) {
   const Api& api = prm.context->api;
-  float* cluster_rgb = prm.cluster_rgb.data();
-  if (!prm.clusters_on_cpu) {
-    if (const lw_result result = readTarget(api, prm.host, clusterLight(prm), prm.cluster_rgba.data())) return result;
-    for (size_t c = 0; c < prm.clusters; ++c) std::memcpy(cluster_rgb + c * 3, &prm.cluster_rgba[c * 4], 3 * sizeof(float));
-    prm.clusters_on_cpu = true;
-  }
+  if (const lw_result result = readClusters(prm)) return result;
   const lw_prm& transport = *prm.transport;
-  prm.sums.update(transport, cluster_rgb, tolerance);
+  prm.sums.update(transport, prm.cluster_rgb.data(), tolerance);
   const size_t layer = size_t(prm.amount_width) * size_t(prm.amount_height) * 4;
   for (size_t block = 0; block < prm.blocks; ++block) {
     float* first = &prm.amount_rgba[block * prm.quads * 4];
     const bool touched = prm.sums.touched(transport, block);
-    first[layer + 3] = touched ? 0.0f : 1.0f;
+    first[layer * 3] = touched ? 0.0f : 1.0f;
     if (!touched) continue;
     const float *sum = prm.sums.sums(transport, block), *scale = transport.links.scale(block);
     for (size_t k = 0; k < transport.block_rank[block]; ++k)
-      for (size_t c = 0; c < 3; ++c) first[k % 4 * layer + k / 4 * 4 + c] = sum[k * 3 + c] * scale[k * 3 + c];
+      for (size_t c = 0; c < 3; ++c) first[c * layer + k] = sum[k * 3 + c] * scale[k * 3 + c];
   }
   bindUnit(api, 0, kTexture2dArray, prm.amount);
   api.TexSubImage3D(kTexture2dArray, 0, 0, 0, 0, prm.amount_width, prm.amount_height, 4, kTexelRgba32f.format, kTexelRgba32f.type, prm.amount_rgba.data());
@@ -140,6 +144,9 @@ lw_result lw_gl_evaluate(lw_gl_prm* prm, const lw_prm_options* given) {
   const StateGuard guard(prm->context->api);
   if (prm->panes) {
     evaluatePanes(*prm, options);
+  } else if (prm->state) {
+    if (const lw_result result = readClusters(*prm)) return result;
+    return evaluateOnCpu(*prm, options);
   } else {
     if (const lw_result result = updateCoefficients(*prm, options.tolerance)) return result;
     reconstruct(*prm, options);

@@ -1,5 +1,6 @@
 // A precomputed radiance map on the GPU.
 #pragma once
+#include "lightwell/lightwell_prm_state.h"
 #include "runtime/src/gl/programs.h"
 #include "runtime/src/gl/texture.h"
 #include "runtime/src/running_sums.h"
@@ -26,7 +27,7 @@ struct lw_gl_prm {
   bool entries_are_clusters = false;          // one entry each, of weight 1: after lw_gl_update_entries their light is the clusters'
   bool clusters_in_entries = false;           // and so the clusters' light now lies in entry[current_entry]
 
-  // RG32UI, width × height: what a texel shows. Panes: index of the value, 0. Local bases: address of the basis, block. 0xffffffff:
+  // RG32UI, width × height: what a texel shows. Panes: index of the value, 0. Local bases: see kLocalBases. 0xffffffff:
   // nothing. The highest bit of the second is set where it is another texel's value.
   Name texel_map = 0;
   Name buried = 0;                            // RGBA32UI list; see kOwnValue
@@ -41,7 +42,10 @@ struct lw_gl_prm {
   Target rank, selected;
   lightwell::runtime::Array<float> pane_sum_rgb;  // [clusters][3]; empty for local bases
 
-  // Local bases: amounts are summed on the CPU, from the transport that is kept for it.
+  // Local bases: amounts are summed on the CPU, from the transport that is kept for it. With a state also the atlas is made there.
+  lw_prm_state* state = nullptr;
+  lightwell::runtime::Array<float> atlas_rgba;      // [height][width][4], of the state; one of the two, as the texture
+  lightwell::runtime::Array<uint16_t> atlas_half;
   lw_prm* transport = nullptr;
   Name basis = 0;                             // list; see kLocalBases
   Name amount = 0;                            // RGBA32F, 4 layers of amount_width × amount_height
@@ -60,6 +64,13 @@ inline const Target& clusterLight(const lw_gl_prm& prm) { return prm.clusters_in
 
 /// Draws one triangle over the target with the program that is in use. Inside a StateGuard.
 void drawInto(const lw_gl_prm& prm, const Target& target);
+/// Whether shaders run on the CPU.
+bool isSoftware(const Api& api);
+/// Readies what evaluateOnCpu() needs, from the transport and the atlas that are there.
+lw_result prepareOnCpu(lw_gl_prm& prm);
+/// lw_gl_evaluate of local bases without a shader, from the light in cluster_rgb.
+lw_result evaluateOnCpu(lw_gl_prm& prm, const lw_prm_options& options);
+
 /// Makes `texture` what the sampler of this unit reads.
 void bindUnit(const Api& api, uint32_t unit, Enum target, Name texture);
 

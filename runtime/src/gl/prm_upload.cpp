@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "runtime/src/container.h"
+#include "runtime/src/frame.h"
 #include "runtime/src/gl/list_uploader.h"
 #include "runtime/src/gl/prm_gl.h"
 #include "runtime/src/prm.h"
@@ -39,7 +40,7 @@ class Uploader : ListUploader {
     else uploadLocalBases();
     uploadTexels();
     makeTargets();
-    if (!result_) result_ = out_.panes ? preparePanes(*out_.context) : prepareLocalBases(*out_.context);
+    if (!result_) result_ = out_.panes ? preparePanes(*out_.context) : reconstructsOnCpu() ? prepareOnCpu(out_) : prepareLocalBases(*out_.context);
     if (!result_ && !out_.entries_are_clusters) result_ = prepareClusters(*out_.context);
     if (!result_)
       if (const Enum error = api_.GetError(); error != kNoError)
@@ -71,7 +72,14 @@ class Uploader : ListUploader {
     }
     list(out_.entry_normal, kTexelRgba32f, out_.entries, rgba.data());
     if (rectangles) {
-      for (size_t e = 0; e < out_.entries; ++e) std::memcpy(&rgba[e * 4], &prm_.entry_rectangle[e * 3], 3 * sizeof(float));
+      for (size_t e = 0; e < out_.entries; ++e) {
+        const float *rectangle = &prm_.entry_rectangle[e * 3], turn_rad = rectangle[2] * 3.14159265f;
+        const float along = rectangle[0] * std::cos(turn_rad), across = rectangle[0] * std::sin(turn_rad);
+        float tangent[3], bitangent[3];
+        frameAbout(&prm_.entry_normal[e * 3], tangent, bitangent);
+        for (int k = 0; k < 3; ++k) rgba[e * 4 + k] = tangent[k] * along + bitangent[k] * across;
+        rgba[e * 4 + 3] = rectangle[0] > 0 ? rectangle[1] / rectangle[0] : 0.0f;
+      }
       list(out_.entry_rectangle, kTexelRgba32f, out_.entries, rgba.data());
     }
     Array<uint32_t> range;
@@ -140,7 +148,7 @@ class Uploader : ListUploader {
       uint32_t at = 0;
       for (uint32_t b = 0; b < out_.blocks; ++b)
         for (uint32_t t = prm_.block_first_texel[b]; t < prm_.block_first_texel[b + 1]; ++t, at += (prm_.block_rank[b] + 3u) / 4u)
-          address[size_t(t) * 2] = at, address[size_t(t) * 2 + 1] = b;
+          address[size_t(t) * 2] = at, address[size_t(t) * 2 + 1] = b | (prm_.block_rank[b] + 3u) / 4u << 22;
     }
     spread(value_of_texel, [&](size_t i, uint32_t value) {
       map[i * 2] = value == kNone ? kNone : address[size_t(value) * 2];
@@ -226,8 +234,11 @@ class Uploader : ListUploader {
       return;
     if (!out_.sums.allocate(out_.host, prm_)) return void(result_ = out_.host.fail(LW_OUT_OF_MEMORY, "no memory for the sums of %u blocks", out_.blocks));
     std::memset(out_.amount_rgba.data(), 0, out_.amount_rgba.bytes());
-    for (uint32_t b = 0; b < out_.blocks; ++b) out_.amount_rgba[size_t(b) * out_.quads * 4 + 3] = float(prm_.block_rank[b]);
     out_.amount = createLayers(api_, kTexelRgba32f, out_.amount_width, out_.amount_height, 4, out_.amount_rgba.data(), out_.texture_bytes);
+  }
+
+  bool reconstructsOnCpu() const {
+    return options_.reconstruct == LW_GL_RECONSTRUCT_AUTO ? out_.owns_atlas && isSoftware(api_) : options_.reconstruct == LW_GL_RECONSTRUCT_CPU;
   }
 
   lw_gl_prm& out_;
@@ -243,8 +254,10 @@ using namespace lightwell::runtime;
 lw_result lw_gl_prm_create(lw_gl* context, const lw_prm* prm, const lw_gl_prm_options* given, lw_gl_prm** out) {
   if (!context || !prm || !out) return LW_INVALID_ARGUMENT;
   const lw_gl_prm_options options = given ? *given : lw_gl_prm_options LW_GL_PRM_OPTIONS_INIT;
-  if (options.size < sizeof options || options.atlas_format > LW_GL_ATLAS_RGBA32F)
+  if (options.size < sizeof options || options.atlas_format > LW_GL_ATLAS_RGBA32F || options.reconstruct > LW_GL_RECONSTRUCT_CPU)
     return context->host.fail(LW_INVALID_ARGUMENT, "lw_gl_prm_options: a value is out of range");
+  if (options.reconstruct == LW_GL_RECONSTRUCT_CPU && options.atlas_texture)
+    return context->host.fail(LW_INVALID_ARGUMENT, "lw_gl_prm_options: the CPU makes the library's own atlas only");
   lw_gl_prm* gl_prm = createHandle<lw_gl_prm>(context->host);
   if (!gl_prm) return context->host.fail(LW_OUT_OF_MEMORY, "no memory for the handle of the radiance maps");
   gl_prm->context = context;
@@ -272,6 +285,7 @@ void lw_gl_prm_destroy(lw_gl_prm* prm) {
        {prm->entry_position, prm->entry_normal, prm->entry_rectangle, prm->cluster_range, prm->pane_sum, prm->texel_map, prm->constant, prm->pane,
         prm->buried, prm->basis, prm->amount})
     if (name) api.DeleteTextures(1, &name);
+  lw_prm_state_release(prm->state);
   lw_prm_release(prm->transport);
   destroyHandle(prm);
 }

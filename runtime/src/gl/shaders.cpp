@@ -65,9 +65,9 @@ vec3 lwAtlasIrradiance(sampler2D atlas, vec2 lightmap_uv) {
 vec3 lwDiffuseRadiance(vec3 albedo, vec3 irradiance) { return albedo * irradiance * 0.31830988618; }
 )";
 
-// The amounts of rank r = 4 q + j of a block lie in layer j at index block * quads + q; the first one's alpha is the block's rank,
-// the second's is 1 where the amounts are those of the last reconstruction. The map
-// holds, per atlas texel, the address of its basis (four ranks in each RGBA) and its block, the highest bit set where it shows another's.
+// The amounts of the ranks 4 q to 4 q + 3 of a block lie at index block * lw_quads + q, those of red in layer 0, green in 1, blue in 2; layer 3 has 1 in its red at q = 0 where they are those
+// of the last reconstruction. The map holds, per atlas texel, the address of its basis (four ranks in each RGBA), and its block (22 bits), its own number of fours (7), and in the
+// highest bit whether it shows another's.
 const char kLocalBases[] = R"(
 #ifdef GL_ES
 precision highp float;
@@ -81,20 +81,13 @@ uniform sampler2DArray lw_amount;
 uniform int lw_quads;
 vec4 lwLocalBasesEntry(uvec2 entry) {
   if (entry.r == 0xffffffffu) return vec4(0.0);
-  int address = int(entry.r), pixel = int(entry.g & 0x7fffffffu) * lw_quads;
+  int address = int(entry.r), pixel = int(entry.g & 0x3fffffu) * lw_quads, quads = int((entry.g >> 22) & 0x7fu);
   vec3 sum = vec3(0.0);
-  int rank = 4;
-  for (int q = 0; q * 4 < rank; ++q) {
+  for (int q = 0; q < quads; ++q) {
     int basis_at = address + q, amount_at = pixel + q;
     ivec2 at = ivec2(amount_at & 2047, amount_at >> 11);
-    vec4 first = texelFetch(lw_amount, ivec3(at, 0), 0);
-    if (q == 0) {
-      rank = int(first.a + 0.5);
-      if (rank == 0) break;
-    }
     vec4 b = texelFetch(lw_basis, ivec3(basis_at & 2047, (basis_at >> 11) & 2047, basis_at >> 22), 0);
-    sum += b.r * first.rgb + b.g * texelFetch(lw_amount, ivec3(at, 1), 0).rgb + b.b * texelFetch(lw_amount, ivec3(at, 2), 0).rgb +
-           b.a * texelFetch(lw_amount, ivec3(at, 3), 0).rgb;
+    sum += vec3(dot(b, texelFetch(lw_amount, ivec3(at, 0), 0)), dot(b, texelFetch(lw_amount, ivec3(at, 1), 0)), dot(b, texelFetch(lw_amount, ivec3(at, 2), 0)));
   }
   return vec4(max(sum, vec3(0.0)), 1.0);
 }
@@ -115,7 +108,7 @@ vec3 lwLocalBasesIrradiance(vec2 lightmap_uv) {
 const char kEntries[] = R"(
 uniform sampler2DArray u_position;
 uniform sampler2DArray u_normal;      // w: the longer half side of the entry's rectangle; 0: a point
-uniform sampler2DArray u_rectangle;   // half its sides, its turn in half turns
+uniform sampler2DArray u_rectangle;   // half of one side, and how many times as long the other is
 uniform sampler2D u_previous;
 uniform int u_entries, u_light_count, u_accumulate, u_reversed;
 uniform vec4 u_light[64];  // 16 LwLights
@@ -144,30 +137,42 @@ float shadow(int i, vec3 p) {
   if (z >= far) return 1.0;
   float depth = far / (far - near) * (1.0 - near / max(z, near));
   depth = u_reversed == 0 ? depth - u_shadow_numbers.z : 1.0 - depth + u_shadow_numbers.z;
-  return texture(u_shadow_cube, vec4(offset, depth));
+  return textureGrad(u_shadow_cube, vec4(offset, depth), vec3(0.0), vec3(0.0));  // neighbours may not be here
 }
 #elif LW_SHADOW == 3
 uniform sampler2DArray u_visibility;
 float shadow(int i, vec3 p) { return texelFetch(u_visibility, lwAddress(i), 0).r; }
 #endif
 
-float solidAngle(vec3 a, vec3 b, vec3 c) {
-  float la = length(a), lb = length(b), lc = length(c);
-  return 2.0 * atan(abs(dot(a, cross(b, c))), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+// Half the solid angle of a triangle is the argument of this complex number.
+vec2 solidAngle(vec3 a, vec3 b, vec3 c, float la, float lb, float lc) {
+  return vec2(la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb, abs(dot(a, cross(b, c))));
 }
 
 // rectangleGain() of the CPU.
 float rectangleGain(int i, vec3 to_light, vec3 n, float half_side) {
   float square = dot(to_light, to_light), height = dot(to_light, n);
   if (!(square < 1225.0 * half_side * half_side) || !(height > 0.0)) return 1.0;
-  vec3 rectangle = texelFetch(u_rectangle, lwAddress(i), 0).xyz;
-  float area = 4.0 * rectangle.x * rectangle.y;
-  float s = n.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (s + n.z), b = n.x * n.y * a, turn = rectangle.z * 3.14159265;
-  vec3 tangent = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), bitangent = vec3(b, s + n.y * n.y * a, -n.y);
-  vec3 u = (tangent * cos(turn) + bitangent * sin(turn)) * rectangle.x, v = (bitangent * cos(turn) - tangent * sin(turn)) * rectangle.y;
-  vec3 c0 = -u - v - to_light, c2 = u + v - to_light;
-  float angle = solidAngle(c0, u - v - to_light, c2) + solidAngle(c0, c2, v - u - to_light);
+  vec4 rectangle = texelFetch(u_rectangle, lwAddress(i), 0);
+  vec3 u = rectangle.xyz, v = cross(n, u) * rectangle.w;
+  float area = 4.0 * dot(u, u) * rectangle.w;
+  vec3 c0 = -u - v - to_light, c1 = u - v - to_light, c2 = u + v - to_light, c3 = v - u - to_light;
+  float l0 = length(c0), l2 = length(c2);
+  vec2 one = solidAngle(c0, c1, c2, l0, length(c1), l2), other = solidAngle(c0, c2, c3, l0, l2, length(c3));
+  float angle = 2.0 * atan(one.x * other.y + one.y * other.x, one.x * other.x - one.y * other.y);
   return angle * square * sqrt(square) / (area * height);
+}
+
+vec3 irradianceOf(int l, int i, vec3 position, vec3 normal, float half_side) {
+  LwLight light = LwLight(u_light[l * 4], u_light[l * 4 + 1], u_light[l * 4 + 2], u_light[l * 4 + 3]);
+  vec3 irradiance = lwLightIrradiance(light, position, normal);
+  if (irradiance == vec3(0.0)) return irradiance;
+#if LW_SHADOW != 0
+  irradiance *= shadow(i, position + normal * u_shadow_numbers.w);
+  if (irradiance == vec3(0.0)) return irradiance;
+#endif
+  if (light.direction_type.w < 2.5) irradiance *= rectangleGain(i, light.position_range.xyz - position, normal, half_side);
+  return min(irradiance, vec3(1e30));
 }
 
 void main() {
@@ -177,14 +182,10 @@ void main() {
   vec4 normal_side = texelFetch(u_normal, lwAddress(i), 0);
   vec3 normal = normal_side.xyz;
   vec3 sum = vec3(0.0);
-  for (int l = 0; l < u_light_count; ++l) {
-    vec3 irradiance = lwLightIrradiance(LwLight(u_light[l * 4], u_light[l * 4 + 1], u_light[l * 4 + 2], u_light[l * 4 + 3]), position, normal);
-    if (irradiance == vec3(0.0)) continue;
-    if (u_light[l * 4 + 1].w < 2.5) irradiance *= rectangleGain(i, u_light[l * 4].xyz - position, normal, normal_side.w);
-    sum += min(irradiance, vec3(1e30));
-  }
-#if LW_SHADOW != 0
-  sum *= shadow(i, position + normal * u_shadow_numbers.w);
+#if LW_SHADOW == 0
+  for (int l = 0; l < u_light_count; ++l) sum += irradianceOf(l, i, position, normal, normal_side.w);
+#else
+  sum = irradianceOf(0, i, position, normal, normal_side.w);  // one light at a time; software finds a constant place in u_light much faster
 #endif
   if (u_accumulate != 0) sum += texelFetch(u_previous, lwPixel(i), 0).rgb;
   o_irradiance = vec4(sum, 1.0);
@@ -340,8 +341,8 @@ void main() {
   int place;
   uvec2 entry = lwEntry(lw_texel_map, texel, place);
   if (u_keep != 0) {
-    int pixel = int(entry.g & 0x7fffffffu) * lw_quads;
-    if (entry.r == 0xffffffffu || texelFetch(lw_amount, ivec3(pixel & 2047, pixel >> 11, 1), 0).a > 0.5) discard;
+    int pixel = int(entry.g & 0x3fffffu) * lw_quads;
+    if (entry.r == 0xffffffffu || texelFetch(lw_amount, ivec3(pixel & 2047, pixel >> 11, 3), 0).r > 0.5) discard;
   }
   vec4 value = lwLocalBasesEntry(entry);
   if (value.a > 0.0) value.rgb = min(value.rgb + lwConstant(texel.y * textureSize(lw_texel_map, 0).x + texel.x, place), vec3(u_max));
