@@ -274,13 +274,19 @@ Bytes PrmBaker::fit(uint32_t first, uint32_t end, ByteView solved_bytes) const {
     walks = virtualLightWalks(impl.scene, impl.atlas, impl.tracer, impl.sides, impl.clusters, impl.settings.walks_per_entry, impl.settings.seed);
   ByteWriter writer;
   if (first == 0) writer.array(solved.training.wavelet_unit);  // common to all blocks: the first range carries it
+  std::vector<std::vector<BasisBlock>> fitted;
+  if (impl.settings.layout == PrmLayoutKind::local_bases) {
+    std::vector<std::vector<uint32_t>> slots;
+    for (uint32_t index = first; index < end; ++index) slots.push_back(impl.slotsOf(index));
+    fitted = fitBlocks(slots, impl.atlas, impl.gatherer, impl.clusters, impl.wavelets, solved.multi_bounce, solved.training, solved.emitters, impl.settings.bases);
+  }
   for (uint32_t index = first; index < end; ++index) {
-    const auto slots = impl.slotsOf(index);
     std::vector<BasisBlock> parts;
     std::vector<Rgb> pane_values;  // [texel][group]
     if (impl.settings.layout == PrmLayoutKind::local_bases) {
-      parts = fitBlock(slots, impl.atlas, impl.gatherer, impl.clusters, impl.wavelets, solved.multi_bounce, solved.training, solved.emitters, impl.settings.bases);
+      parts = std::move(fitted[index - first]);
     } else {
+      const auto slots = impl.slotsOf(index);
       pane_values = impl.settings.estimator == PaneEstimator::walks
                         ? walkPanes(slots, impl.atlas, impl.tracer, impl.clusters, walks)
                         : gatherPanes(slots, impl.gatherer, impl.clusters, solved.multi_bounce, impl.settings.bases.rays);
@@ -312,8 +318,8 @@ Bytes PrmBaker::fitProbes(uint32_t first, uint32_t end, ByteView solved_bytes) c
   options.rank_error *= kProbeRankShare;
   options.wavelet_step *= kProbeStepShare;
   ByteWriter writer;
-  for (uint32_t i = first; i < end; ++i) {
-    const ProbeBasis probe = fitProbe(impl.settings.probes[i], i, impl.gatherer, impl.clusters, impl.wavelets, solved.multi_bounce, solved.training, solved.emitters, options);
+  const std::span<const Vec3> points(impl.settings.probes);
+  for (const ProbeBasis& probe : transport::fitProbes(points.subspan(first, end - first), first, impl.gatherer, impl.clusters, impl.wavelets, solved.multi_bounce, solved.training, solved.emitters, options)) {
     writeBlock(writer, probe.block);
     writer.array(std::span<const Rgb>(probe.emitter_radiance_sh));
   }

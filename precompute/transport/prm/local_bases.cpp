@@ -259,38 +259,44 @@ TrainingLights makeTrainingLights(const EntryClusters& clusters, const WaveletIn
 
 namespace {
 
-/// The fit of a set of texels whose transport is known, whole or in parts. Parts are lists of rows of `transport`.
+/// A basis, and the transport of its texels in its coordinates.
+struct Projection {
+  Part part;
+  BasisBlock block;              // without links
+  VectorXf basis_norm;           // [rank]
+  ChannelMatrices from_cluster;  // [rank][cluster met]
+};
+
+/// The bases of a set of texels whose transport is known, as a whole or in parts. Parts are lists of rows of `transport`.
 class BlockFit {
  public:
-  BlockFit(const BlockTransport& transport, const std::vector<float>& area, const EntryClusters& clusters, const WaveletIndex& wavelets,
-           const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options)
-      : training_(training), options_(options), area_(area), tree_(clusters, wavelets, transport.cluster),
-        total_(Eigen::Index(transport.cluster.size()), Eigen::Index(training.count)), samples_(Eigen::Index(area.size()), Eigen::Index(training.count)) {
+  BlockFit(const BlockTransport& transport, const std::vector<float>& area, const TrainingLights& training, const LocalBasesOptions& options)
+      : training_(training), options_(options), area_(area), total_(Eigen::Index(transport.cluster.size()), Eigen::Index(training.count)),
+        samples_(Eigen::Index(area.size()), Eigen::Index(training.count)) {
     for (size_t l = 0; l < transport.cluster.size(); ++l) total_.row(Eigen::Index(l)) = training.total.row(transport.cluster[l]);
     for (int channel = 0; channel < 3; ++channel) {
       from_cluster_[channel] = transport.from_cluster[channel];
-      from_group_[channel] = multi_bounce.groupResponse(channel, transport.cluster, transport.from_cluster[channel]);
       const Eigen::Index first = training.first(channel), count = Eigen::Index(training.first(channel + 1)) - first;
       if (count > 0) samples_.middleCols(first, count) = multiply(transport.from_cluster[channel], total_.middleCols(first, count));
     }
   }
 
   /// The whole as one block.
-  BasisBlock fitWhole() const {
+  Projection fitWhole() const {
     Part part(area_.size());
     std::iota(part.begin(), part.end(), Eigen::Index(0));
-    return basisOf(part, componentsOf(part));
+    return project(part, componentsOf(part));
   }
 
-  /// A part as one block, or, where that has more components than maps, as several: halved by `halves`. fit(part, halves, add) calls add(part, block).
-  template <class Halves, class Add>
-  void fit(const Part& part, const Halves& halves, const Add& add) const {
+  /// A part as one block, or, where that has more components than maps, as several: halved by `halves`.
+  template <class Halves>
+  void fit(const Part& part, const Halves& halves, std::vector<Projection>& projections) const {
     const Weighted weighted = componentsOf(part);
     if (weighted.components.rank > Eigen::Index(options_.most_rank) && part.size() >= 2 * size_t(options_.least_texels)) {
-      for (const Part& half : halves(part)) fit(half, halves, add);
+      for (const Part& half : halves(part)) fit(half, halves, projections);
       return;
     }
-    add(part, basisOf(part, weighted));
+    projections.push_back(project(part, weighted));
   }
 
  private:
@@ -335,36 +341,71 @@ class BlockFit {
     return {texel_weight, Components(gram, double(options_.rank_error) * options_.rank_error * double(texels) * double(std::max<Eigen::Index>(1, counted)))};
   }
 
-  BasisBlock basisOf(const Part& part, const Weighted& weighted) const {
+  Projection project(const Part& part, const Weighted& weighted) const {
     const VectorXf& texel_weight = weighted.texel_weight;
     const Eigen::Index texels = texel_weight.size();
-    BasisBlock block;
+    Projection projection{part, {}, {}, {}};
+    BasisBlock& block = projection.block;
     block.rank = uint32_t(std::min<Eigen::Index>(weighted.components.rank, options_.most_rank));
-    if (block.rank == 0) return block;
+    if (block.rank == 0) return projection;
     const MatrixXf basis = weighted.components.basis(block.rank, texel_weight);
     VectorXf area(texels);
     for (Eigen::Index t = 0; t < texels; ++t) area[t] = area_[size_t(part[size_t(t)])];
     const MatrixXf to_coordinates = energyKeepingCoordinates(basis, texel_weight, area);
-    const VectorXf basis_norm = (texel_weight.asDiagonal() * basis).colwise().norm() / std::sqrt(float(texels));
-    ChannelMatrices from_cluster, from_group;
-    for (int channel = 0; channel < 3; ++channel) {
-      from_cluster[channel] = to_coordinates * from_cluster_[channel](part, Eigen::all);
-      from_group[channel] = to_coordinates * from_group_[channel](part, Eigen::all);
-    }
-    linkWavelets(tree_, training_, from_cluster, from_group, basis_norm, options_, block);
+    projection.basis_norm = (texel_weight.asDiagonal() * basis).colwise().norm() / std::sqrt(float(texels));
+    for (int channel = 0; channel < 3; ++channel) projection.from_cluster[channel] = to_coordinates * from_cluster_[channel](part, Eigen::all);
     for (Eigen::Index t = 0; t < texels; ++t)
       for (Eigen::Index k = 0; k < basis.cols(); ++k) block.basis.push_back(int8_t(std::lround(basis(t, k) * kBasisSteps)));
-    return block;
+    return projection;
   }
 
   const TrainingLights& training_;
   const LocalBasesOptions& options_;
   const std::vector<float>& area_;  // [texel]
-  ResponseTree tree_;
-  ChannelMatrices from_cluster_, from_group_;  // [texel][cluster met], [texel][group]
-  RowMajor total_;                             // [cluster met][light]
-  RowMajor samples_;                           // [texel][light]: indirect light under every training light
+  ChannelMatrices from_cluster_;  // [texel][cluster met]
+  RowMajor total_;                // [cluster met][light]
+  RowMajor samples_;              // [texel][light]: indirect light under every training light
 };
+
+/// The bases of texels that met the same clusters.
+struct ProjectedBlock {
+  std::vector<uint32_t> cluster;  // met
+  ResponseTree tree;
+  std::vector<Projection> projections;
+
+  Eigen::Index ranks() const {
+    return std::accumulate(projections.begin(), projections.end(), Eigen::Index(0), [](Eigen::Index sum, const Projection& p) { return sum + Eigen::Index(p.block.rank); });
+  }
+};
+
+/// Links the bases of some blocks. Further bounces are followed in the bases' coordinates, which are fewer than texels, of all blocks together.
+void linkAll(std::span<ProjectedBlock> blocks, const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options) {
+  Eigen::Index ranks = 0;
+  for (const ProjectedBlock& block : blocks) ranks += block.ranks();
+  ChannelMatrices from_group;  // [coordinate of all][group]
+  for (int channel = 0; channel < 3; ++channel) {
+    MatrixXf once(ranks, multi_bounce.solution[channel].rows());
+    Eigen::Index row = 0;
+    for (const ProjectedBlock& block : blocks) {
+      MatrixXf from_cluster(block.ranks(), Eigen::Index(block.cluster.size()));
+      Eigen::Index own = 0;
+      for (const Projection& p : block.projections)
+        if (p.block.rank > 0) from_cluster.middleRows(own, Eigen::Index(p.block.rank)) = p.from_cluster[channel], own += Eigen::Index(p.block.rank);
+      once.middleRows(row, own) = multi_bounce.onceReflected(channel, block.cluster, from_cluster);
+      row += own;
+    }
+    from_group[channel] = multi_bounce.allBounces(channel, once);
+  }
+  Eigen::Index row = 0;
+  for (ProjectedBlock& block : blocks)
+    for (Projection& p : block.projections) {
+      if (p.block.rank == 0) continue;
+      ChannelMatrices own;
+      for (int channel = 0; channel < 3; ++channel) own[channel] = from_group[channel].middleRows(row, Eigen::Index(p.block.rank));
+      linkWavelets(block.tree, training, p.from_cluster, own, p.basis_norm, options, p.block);
+      row += Eigen::Index(p.block.rank);
+    }
+}
 
 /// Texels that share what they see with others of the same part only: a block must not reach through a wall, for its maps would let light pass. Lists of
 /// places in the block; texels that see nothing are a part of their own.
@@ -406,42 +447,55 @@ std::vector<Part> partsBySight(const BlockTransport& transport, const EntryClust
 
 }  // namespace
 
-BasisBlock fitWhole(const BlockTransport& transport, const std::vector<float>& weight, const EntryClusters& clusters, const WaveletIndex& wavelets,
-                    const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options) {
-  return BlockFit(transport, weight, clusters, wavelets, multi_bounce, training, options).fitWhole();
+std::vector<BasisBlock> fitWhole(std::span<const BlockTransport> transports, const std::vector<float>& weight, const EntryClusters& clusters, const WaveletIndex& wavelets,
+                                 const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options) {
+  std::vector<ProjectedBlock> projected;
+  for (const BlockTransport& transport : transports) {
+    projected.push_back({transport.cluster, {clusters, wavelets, transport.cluster}, {}});
+    projected.back().projections.push_back(BlockFit(transport, weight, training, options).fitWhole());
+  }
+  linkAll(projected, multi_bounce, training, options);
+  std::vector<BasisBlock> blocks;
+  for (ProjectedBlock& p : projected) blocks.push_back(std::move(p.projections.front().block));
+  return blocks;
 }
 
-std::vector<BasisBlock> fitBlock(std::span<const uint32_t> slots, const atlas::Atlas& atlas, const Gatherer& gatherer, const EntryClusters& clusters,
-                                 const WaveletIndex& wavelets, const MultiBounce& multi_bounce, const TrainingLights& training,
-                                 const EmitterLight& emitters, const LocalBasesOptions& options) {
-  const BlockTransport transport = gatherBlock(slots, gatherer, options.rays, clusters.cluster_count);
-  std::vector<float> area;
-  for (const uint32_t slot : slots) area.push_back(atlas.slots[slot].area);
-  const BlockFit block_fit(transport, area, clusters, wavelets, multi_bounce, training, options);
-  std::vector<BasisBlock> blocks;
-  const auto halves = [&](const Part& part) {  // as partitions are cut
-    std::vector<SurfaceElement> elements;
-    for (const Eigen::Index t : part) elements.push_back({atlas.slots[slots[size_t(t)]].position, atlas.slots[slots[size_t(t)]].normal});
-    std::array<Part, 2> halves;
-    const auto places = bisect(elements);
-    for (size_t i = 0; i < 2; ++i)
-      for (const uint32_t place : places[i]) halves[i].push_back(part[place]);
-    return halves;
-  };
-  for (const Part& part : partsBySight(transport, clusters))
-    block_fit.fit(part, halves, [&](const Part& fitted, BasisBlock block) {
-      for (const Eigen::Index t : fitted) block.slot.push_back(slots[size_t(t)]);
-      blocks.push_back(std::move(block));
-    });
-  if (emitters.cluster_rgb.empty()) return blocks;
-  for (BasisBlock& block : blocks)
-    for (const uint32_t slot : block.slot) {
-      const Eigen::Index t = std::find(slots.begin(), slots.end(), slot) - slots.begin();
-      Rgb& sum = block.emitter_indirect_rgb.emplace_back(0.0f);
-      for (size_t l = 0; l < transport.cluster.size(); ++l)
-        for (int channel = 0; channel < 3; ++channel)
-          sum[channel] += transport.from_cluster[channel](t, Eigen::Index(l)) * emitters.cluster_rgb[transport.cluster[l]][channel];
-    }
+std::vector<std::vector<BasisBlock>> fitBlocks(std::span<const std::vector<uint32_t>> slots_of_blocks, const atlas::Atlas& atlas, const Gatherer& gatherer,
+                                               const EntryClusters& clusters, const WaveletIndex& wavelets, const MultiBounce& multi_bounce,
+                                               const TrainingLights& training, const EmitterLight& emitters, const LocalBasesOptions& options) {
+  std::vector<ProjectedBlock> projected;
+  for (const auto& slots : slots_of_blocks) {
+    const BlockTransport transport = gatherBlock(slots, gatherer, options.rays, clusters.cluster_count);
+    std::vector<float> area;
+    for (const uint32_t slot : slots) area.push_back(atlas.slots[slot].area);
+    const BlockFit block_fit(transport, area, training, options);
+    const auto halves = [&](const Part& part) {  // as partitions are cut
+      std::vector<SurfaceElement> elements;
+      for (const Eigen::Index t : part) elements.push_back({atlas.slots[slots[size_t(t)]].position, atlas.slots[slots[size_t(t)]].normal});
+      std::array<Part, 2> halves;
+      const auto places = bisect(elements);
+      for (size_t i = 0; i < 2; ++i)
+        for (const uint32_t place : places[i]) halves[i].push_back(part[place]);
+      return halves;
+    };
+    ProjectedBlock& block = projected.emplace_back(ProjectedBlock{transport.cluster, {clusters, wavelets, transport.cluster}, {}});
+    for (const Part& part : partsBySight(transport, clusters)) block_fit.fit(part, halves, block.projections);
+    for (Projection& p : block.projections)
+      for (const Eigen::Index t : p.part) {
+        p.block.slot.push_back(slots[size_t(t)]);
+        if (emitters.cluster_rgb.empty()) continue;
+        Rgb& sum = p.block.emitter_indirect_rgb.emplace_back(0.0f);
+        for (size_t l = 0; l < transport.cluster.size(); ++l)
+          for (int channel = 0; channel < 3; ++channel)
+            sum[channel] += transport.from_cluster[channel](t, Eigen::Index(l)) * emitters.cluster_rgb[transport.cluster[l]][channel];
+      }
+  }
+  linkAll(projected, multi_bounce, training, options);
+  std::vector<std::vector<BasisBlock>> blocks;
+  for (ProjectedBlock& block : projected) {
+    auto& own = blocks.emplace_back();
+    for (Projection& p : block.projections) own.push_back(std::move(p.block));
+  }
   return blocks;
 }
 

@@ -56,14 +56,14 @@ struct BasisBlock {
   std::vector<Rgb> emitter_indirect_rgb;  // [texel]; empty without emitters
 };
 
-/// Fits one basis of at most options.most_rank maps to all rows of `transport`; `weight`: of a row in the sum that is kept (the area of a texel).
-BasisBlock fitWhole(const BlockTransport& transport, const std::vector<float>& weight, const EntryClusters& clusters, const WaveletIndex& wavelets,
-                    const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options);
+/// Fits one basis of at most options.most_rank maps to all rows of each of `transports`; `weight`: of a row in the sum that is kept (the area of a texel).
+std::vector<BasisBlock> fitWhole(std::span<const BlockTransport> transports, const std::vector<float>& weight, const EntryClusters& clusters, const WaveletIndex& wavelets,
+                                 const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options);
 
-/// Traces the texels `slots` and fits their basis: of one block or, where more of their light stands out of the estimate's noise than most_rank maps can hold, of
-/// several. Depends on nothing but its arguments.
-std::vector<BasisBlock> fitBlock(std::span<const uint32_t> slots, const atlas::Atlas& atlas, const Gatherer& gatherer, const EntryClusters& clusters,
-                                 const WaveletIndex& wavelets, const MultiBounce& multi_bounce, const TrainingLights& training,
-                                 const EmitterLight& emitters, const LocalBasesOptions& options);
+/// Traces the texels of some blocks, `slots` of each, and fits their bases: of one block or, where more of their light stands out of the estimate's noise than most_rank maps can hold, of
+/// several; one list for each. Depends on nothing but its arguments.
+std::vector<std::vector<BasisBlock>> fitBlocks(std::span<const std::vector<uint32_t>> slots, const atlas::Atlas& atlas, const Gatherer& gatherer, const EntryClusters& clusters,
+                                               const WaveletIndex& wavelets, const MultiBounce& multi_bounce, const TrainingLights& training,
+                                               const EmitterLight& emitters, const LocalBasesOptions& options);
 
 }  // namespace lightwell::transport

@@ -3,8 +3,6 @@
 #include <Eigen/LU>
 #include <stdexcept>
 
-#include "precompute/transport/prm/product.h"
-
 namespace lightwell::transport {
 namespace {
 
@@ -53,13 +51,15 @@ MatrixXf MultiBounce::received(int channel, const MatrixXf& group_direct) const 
   return by_light.transpose();
 }
 
-MatrixXf MultiBounce::groupResponse(int channel, const std::vector<uint32_t>& cluster, const MatrixXf& cluster_response) const {
+MatrixXf MultiBounce::onceReflected(int channel, const std::vector<uint32_t>& cluster, const MatrixXf& cluster_response) const {
   MatrixXf once = MatrixXf::Zero(cluster_response.rows(), solution[channel].cols());
   for (size_t l = 0; l < cluster.size(); ++l)
     for (uint32_t i = rows.first[cluster[l]]; i < rows.first[cluster[l] + 1]; ++i)
       once.col(rows.group[i]) += rows.transfer_rgb[i][channel] * cluster_response.col(Eigen::Index(l));
-  return once + multiply(once, solution[channel]);
+  return once;
 }
+
+RowMajorMatrix MultiBounce::allBounces(int channel, const MatrixXf& once_reflected) const { return once_reflected + multiply(once_reflected, solution[channel]); }
 
 MultiBounce solveMultiBounce(const EntryClusters& clusters, GroupRows rows) {
   const std::array<MatrixXd, 3> between = betweenGroups(clusters, rows);

@@ -9,11 +9,12 @@
 #include <array>
 
 #include "precompute/transport/prm/gather.h"
+#include "precompute/transport/prm/product.h"
 
 namespace lightwell::transport {
 
 /// One dense matrix per colour channel. Row-major: a row is what one group receives.
-using ChannelMatrices = std::array<Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 3>;
+using ChannelMatrices = std::array<RowMajorMatrix, 3>;
 
 /// F: one sparse row per fine cluster, groups ascending.
 struct GroupRows {
@@ -33,8 +34,10 @@ struct MultiBounce {
 
   /// Indirect irradiance on every fine cluster, [cluster][light], for direct irradiance on groups, [group][light].
   Eigen::MatrixXf received(int channel, const Eigen::MatrixXf& group_direct) const;
-  /// The response to unit direct irradiance on each group, [any][group], for a response to irradiance on the listed fine clusters, [any][cluster].
-  Eigen::MatrixXf groupResponse(int channel, const std::vector<uint32_t>& cluster, const Eigen::MatrixXf& cluster_response) const;
+  /// The response to unit direct irradiance on each group, [any][group], for a response to irradiance on the listed fine clusters, [any][cluster]: of light that is reflected once on
+  /// its way to them, and, from that, of all further bounces too. Rows of many responses may be put together for the second, which is dear.
+  Eigen::MatrixXf onceReflected(int channel, const std::vector<uint32_t>& cluster, const Eigen::MatrixXf& cluster_response) const;
+  RowMajorMatrix allBounces(int channel, const Eigen::MatrixXf& once_reflected) const;
 };
 
 /// Joins F with the S that follows from it. Solved in double by LU, so that albedo near 1 (spectral radius near 1) stays accurate. Throws

@@ -19,8 +19,8 @@ struct ProbeBasis {
   std::array<Rgb, 9> emitter_radiance_sh;  // of emitting surfaces, after any number of reflections
 };
 
-/// Traces `options.rays` rays from `point` and fits the probe's basis. `owner` keys the random numbers.
-ProbeBasis fitProbe(const Vec3& point, uint64_t owner, const Gatherer& gatherer, const EntryClusters& clusters, const WaveletIndex& wavelets,
-                    const MultiBounce& multi_bounce, const TrainingLights& training, const EmitterLight& emitters, const LocalBasesOptions& options);
+/// Traces `options.rays` rays from each point and fits its basis. `first_owner` and those after it key the random numbers.
+std::vector<ProbeBasis> fitProbes(std::span<const Vec3> points, uint64_t first_owner, const Gatherer& gatherer, const EntryClusters& clusters, const WaveletIndex& wavelets,
+                                  const MultiBounce& multi_bounce, const TrainingLights& training, const EmitterLight& emitters, const LocalBasesOptions& options);
 
 }  // namespace lightwell::transport
