@@ -157,12 +157,12 @@ PrmTasks addPrmTasks(TaskGraph& graph, const BakeContext& context, const transpo
                              .add(settings.layout, settings.estimator, settings.walks_per_entry, bases.block_texels, bases.least_texels, bases.most_rank,
                                   bases.rank_error, bases.wavelet_step, bases.rays);
   tasks.blocks = addRange(graph, "prm", "fit", fit, baker->blockCount(), kBlocksPerTask, 4.0 * bases.block_texels * bases.rays, {solve},
-                          [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fit(first, end, *in.inputs[0]); });
+                          [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fit(first, end, in.inputs[0]); });
   if (baker->probeCount() > 0) {
     Parameters parameters = Parameters(fit).add(settings.probe_rays);
     for (const Vec3& point : settings.probes) parameters.add(point.x, point.y, point.z);
     tasks.probes = addRange(graph, "prm", "probes", parameters, baker->probeCount(), kProbesPerTask, 1.0 * settings.probe_rays, {solve},
-                            [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fitProbes(first, end, *in.inputs[0]); });
+                            [baker](uint32_t first, uint32_t end, const TaskInputs& in) { return baker->fitProbes(first, end, in.inputs[0]); });
   }
   return tasks;
 }

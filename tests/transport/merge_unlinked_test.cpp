@@ -136,7 +136,7 @@ TEST(MergeUnlinked, AllLightOfALampStillArrivesInAClosedRoom) {
   using test::views;
   const auto one_bounce = test::inRanges(baker.groupCount(), 16, 2, [&](uint32_t a, uint32_t b) { return baker.oneBounce(a, b); });
   const auto training = test::inRanges(baker.trainingLightCount(), 16, 2, [&](uint32_t a, uint32_t b) { return baker.trainingDirect(a, b); });
-  const Bytes solved = baker.solve(views(one_bounce), views(training), {});
+  const auto solved = std::make_shared<const Bytes>(baker.solve(views(one_bounce), views(training), {}));
   const auto blocks = test::inRanges(baker.blockCount(), 16, 2, [&](uint32_t a, uint32_t b) { return baker.fit(a, b, solved); });
   PrmResult prm = baker.assemble(views(blocks), {});
   const uint32_t before = prm.entries.clusterCount(), merged = mergeUnlinkedClusters(*p.tracer, prm);

@@ -38,7 +38,7 @@ PrmResult bake(const PrmBaker& baker, uint32_t grain, int threads) {
   const auto one_bounce = stage(baker.groupCount(), [&](uint32_t a, uint32_t b) { return baker.oneBounce(a, b); });
   const auto training = stage(baker.trainingLightCount(), [&](uint32_t a, uint32_t b) { return baker.trainingDirect(a, b); });
   const auto emitter = stage(baker.hasEmitters() ? baker.sideCount() : 0, [&](uint32_t a, uint32_t b) { return baker.emitterDirect(a, b); });
-  const Bytes solved = baker.solve(views(one_bounce), views(training), views(emitter));
+  const auto solved = std::make_shared<const Bytes>(baker.solve(views(one_bounce), views(training), views(emitter)));
   const auto blocks = stage(baker.blockCount(), [&](uint32_t a, uint32_t b) { return baker.fit(a, b, solved); });
   return baker.assemble(views(blocks), views(emitter));
 }

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "precompute/transport/prm/hemisphere_bundle.h"
+#include "precompute/transport/prm/linear_system.h"
 #include "precompute/transport/prm/product.h"
 
 namespace lightwell::transport {
@@ -125,6 +126,38 @@ TEST(Product, IsThatOfPlainLoops) {
         for (int i = 0; i < inner; ++i) sum += double(a(r, i)) * double(wide(i, k + 4));
         EXPECT_NEAR(c(r, k), sum, 1e-4) << rows << " " << r << " " << k;
       }
+  }
+}
+
+TEST(Product, OfSparseRowsIsThatOfPlainLoops) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  for (const auto& [rows, inner, columns] : {std::array{1, 1, 1}, std::array{5, 40, 7}, std::array{9, 30, 8}, std::array{48, 301, 155}}) {
+    SparseRows a;
+    for (int r = 0; r < rows; ++r) {
+      for (int i = r % 3; i < inner && r != 2; i += 1 + int(random() % 5)) a.column.push_back(uint32_t(i)), a.value.push_back(uniform(random));
+      a.first.push_back(uint32_t(a.column.size()));
+    }
+    const RowMajorMatrix wide = RowMajorMatrix::NullaryExpr(inner, columns + 9, [&] { return uniform(random); });
+    RowMajorMatrix c = RowMajorMatrix::Constant(rows, columns + 3, 7.0f);
+    multiply(a, wide.middleCols(4, columns), c.middleCols(2, columns));
+    for (int r = 0; r < rows; ++r)
+      for (int k = 0; k < columns + 3; ++k) {
+        double sum = 0;
+        for (uint32_t i = a.first[size_t(r)]; i < a.first[size_t(r) + 1]; ++i) sum += double(a.value[i]) * double(wide(a.column[i], std::max(0, k - 2) + 4));
+        EXPECT_NEAR(c(r, k), k < 2 || k == columns + 2 ? 7.0 : sum, 1e-4) << rows << " " << r << " " << k;
+      }
+  }
+}
+
+TEST(LinearSystem, IsSolvedWithPivots) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const int size : {1, 2, 37, 300}) {
+    Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(size, size, [&] { return uniform(random); });
+    if (size > 1) a(0, 0) = 0;
+    const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(size, size, [&] { return uniform(random); });
+    EXPECT_LT((solve(a, a * x) - x).norm(), 1e-9 * size * x.norm()) << size;
   }
 }
 

@@ -1,6 +1,7 @@
 #include "precompute/transport/prm/bake_prm.h"
 
 #include <algorithm>
+#include <mutex>
 
 #include "precompute/core/random.h"
 #include "precompute/transport/prm/entry_irradiance.h"
@@ -139,6 +140,20 @@ struct PrmBaker::Impl {
     return result;
   }
 
+  /// Reads what is as large as all the rest together, once for all tasks that come with the same bytes. May be called on any thread.
+  std::shared_ptr<const Solved> solvedFrom(const std::shared_ptr<const Bytes>& bytes) const {
+    const std::lock_guard lock(solved_mutex);
+    if (solved_bytes != bytes) {
+      solved = std::make_shared<const Solved>(readSolved(*bytes));
+      solved_bytes = bytes;
+    }
+    return solved;
+  }
+
+  mutable std::mutex solved_mutex;
+  mutable std::shared_ptr<const Bytes> solved_bytes;
+  mutable std::shared_ptr<const Solved> solved;
+
   Solved readSolved(ByteView bytes) const {
     Solved solved;
     ByteReader reader(bytes);
@@ -266,9 +281,10 @@ Bytes PrmBaker::solve(std::span<const ByteView> one_bounce, std::span<const Byte
   return writer.take();
 }
 
-Bytes PrmBaker::fit(uint32_t first, uint32_t end, ByteView solved_bytes) const {
+Bytes PrmBaker::fit(uint32_t first, uint32_t end, const SharedBytes& solved_bytes) const {
   const auto& impl = *impl_;
-  const Solved solved = impl.readSolved(solved_bytes);
+  const auto shared = impl.solvedFrom(solved_bytes);
+  const Solved& solved = *shared;
   std::vector<WalkVertex> walks;
   if (impl.settings.layout == PrmLayoutKind::panes && impl.settings.estimator == PaneEstimator::walks)
     walks = virtualLightWalks(impl.scene, impl.atlas, impl.tracer, impl.sides, impl.clusters, impl.settings.walks_per_entry, impl.settings.seed);
@@ -309,9 +325,10 @@ Bytes PrmBaker::fit(uint32_t first, uint32_t end, ByteView solved_bytes) const {
   return writer.take();
 }
 
-Bytes PrmBaker::fitProbes(uint32_t first, uint32_t end, ByteView solved_bytes) const {
+Bytes PrmBaker::fitProbes(uint32_t first, uint32_t end, const SharedBytes& solved_bytes) const {
   const auto& impl = *impl_;
-  const Solved solved = impl.readSolved(solved_bytes);
+  const auto shared = impl.solvedFrom(solved_bytes);
+  const Solved& solved = *shared;
   LocalBasesOptions options = impl.settings.bases;
   options.rays = impl.settings.probe_rays;
   options.most_rank = kProbeValues;

@@ -43,6 +43,9 @@ EntryClusters makePrmEntries(const scene::Scene& scene, const atlas::Atlas& atla
 
 class PrmBaker {
  public:
+  /// What many calls read, and the first one of them decodes for all.
+  using SharedBytes = std::shared_ptr<const Bytes>;
+
   /// `scene`, `atlas` and `tracer` must outlive the baker.
   PrmBaker(const scene::Scene& scene, const atlas::Atlas& atlas, const trace::Tracer& tracer, const PrmSettings& settings);
   /// The same with the clusters that makePrmEntries() gives for these settings.
@@ -69,10 +72,10 @@ class PrmBaker {
   Bytes solve(std::span<const ByteView> one_bounce, std::span<const ByteView> training, std::span<const ByteView> emitter) const;
 
   /// Blocks [first, end): traced and, for local bases, fitted.
-  Bytes fit(uint32_t first, uint32_t end, ByteView solved) const;
+  Bytes fit(uint32_t first, uint32_t end, const SharedBytes& solved) const;
 
   /// Probes [first, end): traced and fitted.
-  Bytes fitProbes(uint32_t first, uint32_t end, ByteView solved) const;
+  Bytes fitProbes(uint32_t first, uint32_t end, const SharedBytes& solved) const;
   /// The finished probes from the outputs of fitProbes in range order.
   PrmProbes assembleProbes(std::span<const ByteView> probes) const;
 

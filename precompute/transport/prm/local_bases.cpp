@@ -271,14 +271,24 @@ struct Projection {
 class BlockFit {
  public:
   BlockFit(const BlockTransport& transport, const std::vector<float>& area, const TrainingLights& training, const LocalBasesOptions& options)
-      : training_(training), options_(options), area_(area), total_(Eigen::Index(transport.cluster.size()), Eigen::Index(training.count)),
-        samples_(Eigen::Index(area.size()), Eigen::Index(training.count)) {
-    for (size_t l = 0; l < transport.cluster.size(); ++l) total_.row(Eigen::Index(l)) = training.total.row(transport.cluster[l]);
+      : training_(training), options_(options), area_(area), samples_(Eigen::Index(area.size()), Eigen::Index(training.count)) {
     for (int channel = 0; channel < 3; ++channel) {
       from_cluster_[channel] = transport.from_cluster[channel];
       const Eigen::Index first = training.first(channel), count = Eigen::Index(training.first(channel + 1)) - first;
-      if (count > 0) samples_.middleCols(first, count) = multiply(transport.from_cluster[channel], total_.middleCols(first, count));
+      if (count == 0) continue;
+      SparseRows gathered;
+      for (Eigen::Index t = 0; t < from_cluster_[channel].rows(); ++t) {
+        for (Eigen::Index l = 0; l < from_cluster_[channel].cols(); ++l)
+          if (const float share = from_cluster_[channel](t, l); share != 0) gathered.column.push_back(transport.cluster[size_t(l)]), gathered.value.push_back(share);
+        gathered.first.push_back(uint32_t(gathered.column.size()));
+      }
+      multiply(gathered, training.total.middleCols(first, count), samples_.middleCols(first, count));
     }
+    // How strong light on each cluster typically is.
+    const VectorXf light_weight = lightWeights(samples_);
+    typical_.resize(Eigen::Index(transport.cluster.size()));
+    for (size_t l = 0; l < transport.cluster.size(); ++l)
+      typical_[Eigen::Index(l)] = training.total.row(transport.cluster[l]).cwiseProduct(light_weight.transpose()).norm() / std::sqrt(float(std::max(1u, training.count)));
   }
 
   /// The whole as one block.
@@ -305,24 +315,26 @@ class BlockFit {
     Components components;
   };
 
+  /// relrmse weighs a texel's error by one over the light's mean, texrel by one over the texel's own light. A least-squares fit takes weights that are a
+  /// product of one factor per light and one per texel: the first from the light's mean over everything and over the block, the second from the mean light.
+  template <class Samples>
+  VectorXf lightWeights(const Samples& samples) const {
+    VectorXf weights(samples.cols());
+    for (Eigen::Index m = 0; m < samples.cols(); ++m) weights[m] = training_.weight[m] > 0 ? 1.0f / (1.0f / training_.weight[m] + samples.col(m).mean()) : 0.0f;
+    return weights;
+  }
+
   Weighted componentsOf(const Part& part) const {
-    const Eigen::Index texels = Eigen::Index(part.size()), links = total_.rows(), lights = training_.count;
+    const Eigen::Index texels = Eigen::Index(part.size()), links = typical_.size(), lights = training_.count;
     MatrixXf samples = samples_(part, Eigen::all);  // the part's indirect light under every training light
     const ChannelMatrices from_cluster = rowsOf(from_cluster_, part);
-    // relrmse weighs a texel's error by one over the light's mean, texrel by one over the texel's own light. A least-squares fit takes weights that are a
-    // product of one factor per light and one per texel: the first from the light's mean over everything and over the block, the second from the mean light.
-    VectorXf light_weight(lights);
-    Eigen::Index counted = 0;
-    for (Eigen::Index m = 0; m < lights; ++m) {
-      light_weight[m] = training_.weight[m] > 0 ? 1.0f / (1.0f / training_.weight[m] + samples.col(m).mean()) : 0.0f;
-      counted += training_.weight[m] > 0;
-    }
+    const VectorXf light_weight = lightWeights(samples);
+    const Eigen::Index counted = (light_weight.array() > 0).count();
     samples = samples * light_weight.asDiagonal();
     VectorXf texel_weight = samples.rowwise().mean();
     texel_weight = (texel_weight.array() + kDarkFloor * texel_weight.mean() + kDarkestBlock).inverse();
 
-    const VectorXf typical = (total_ * light_weight.asDiagonal()).rowwise().norm() / std::sqrt(float(std::max<Eigen::Index>(1, lights)));
-    const float typical_floor = kUnseenFloor * (links > 0 ? typical.mean() : 0.0f);
+    const float typical_floor = kUnseenFloor * (links > 0 ? typical_.mean() : 0.0f);
     MatrixXf gram = MatrixXf::Zero(texels, texels);
     const auto addToGram = [&](const MatrixXf& columns, float weight) {
       if (columns.cols() == 0) return;
@@ -331,7 +343,7 @@ class BlockFit {
     addToGram(samples, 1.0f);
     for (int channel = 0; channel < 3; ++channel)
       if (!training_.grey || channel == 1)
-        addToGram(from_cluster[channel] * (typical.array() + typical_floor).matrix().asDiagonal(),
+        addToGram(from_cluster[channel] * (typical_.array() + typical_floor).matrix().asDiagonal(),
                   kUnseenWeight * kUnseenWeight * float(lights) * (training_.grey ? 1.0f : 1.0f / 3.0f));
     // And evenly spread light, in which a texel's share of the sky is all that counts.
     VectorXf even = VectorXf::Zero(texels);
@@ -363,8 +375,8 @@ class BlockFit {
   const LocalBasesOptions& options_;
   const std::vector<float>& area_;  // [texel]
   ChannelMatrices from_cluster_;  // [texel][cluster met]
-  RowMajor total_;                // [cluster met][light]
   RowMajor samples_;              // [texel][light]: indirect light under every training light
+  VectorXf typical_;              // [cluster met]: root mean square of training light
 };
 
 /// The bases of texels that met the same clusters.
@@ -382,21 +394,24 @@ struct ProjectedBlock {
 void linkAll(std::span<ProjectedBlock> blocks, const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options) {
   Eigen::Index ranks = 0;
   for (const ProjectedBlock& block : blocks) ranks += block.ranks();
-  ChannelMatrices from_group;  // [coordinate of all][group]
-  for (int channel = 0; channel < 3; ++channel) {
-    MatrixXf once(ranks, multi_bounce.solution[channel].rows());
-    Eigen::Index row = 0;
-    for (const ProjectedBlock& block : blocks) {
-      MatrixXf from_cluster(block.ranks(), Eigen::Index(block.cluster.size()));
+  std::array<MatrixXf, 3> once;  // [coordinate of all][group]
+  for (MatrixXf& matrix : once) matrix.resize(ranks, multi_bounce.solution[0].rows());
+  Eigen::Index row = 0;
+  for (const ProjectedBlock& block : blocks) {
+    std::array<MatrixXf, 3> from_cluster;
+    for (int channel = 0; channel < 3; ++channel) {
+      from_cluster[channel].resize(block.ranks(), Eigen::Index(block.cluster.size()));
       Eigen::Index own = 0;
       for (const Projection& p : block.projections)
-        if (p.block.rank > 0) from_cluster.middleRows(own, Eigen::Index(p.block.rank)) = p.from_cluster[channel], own += Eigen::Index(p.block.rank);
-      once.middleRows(row, own) = multi_bounce.onceReflected(channel, block.cluster, from_cluster);
-      row += own;
+        if (p.block.rank > 0) from_cluster[channel].middleRows(own, Eigen::Index(p.block.rank)) = p.from_cluster[channel], own += Eigen::Index(p.block.rank);
     }
-    from_group[channel] = multi_bounce.allBounces(channel, once);
+    const auto own_once = multi_bounce.onceReflected(block.cluster, from_cluster);
+    for (int channel = 0; channel < 3; ++channel) once[channel].middleRows(row, block.ranks()) = own_once[channel];
+    row += block.ranks();
   }
-  Eigen::Index row = 0;
+  ChannelMatrices from_group;
+  for (int channel = 0; channel < 3; ++channel) from_group[channel] = multi_bounce.allBounces(channel, once[channel]);
+  row = 0;
   for (ProjectedBlock& block : blocks)
     for (Projection& p : block.projections) {
       if (p.block.rank == 0) continue;

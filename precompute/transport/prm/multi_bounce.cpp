@@ -1,7 +1,8 @@
 #include "precompute/transport/prm/multi_bounce.h"
 
-#include <Eigen/LU>
 #include <stdexcept>
+
+#include "precompute/transport/prm/linear_system.h"
 
 namespace lightwell::transport {
 namespace {
@@ -51,11 +52,32 @@ MatrixXf MultiBounce::received(int channel, const MatrixXf& group_direct) const 
   return by_light.transpose();
 }
 
-MatrixXf MultiBounce::onceReflected(int channel, const std::vector<uint32_t>& cluster, const MatrixXf& cluster_response) const {
-  MatrixXf once = MatrixXf::Zero(cluster_response.rows(), solution[channel].cols());
-  for (size_t l = 0; l < cluster.size(); ++l)
-    for (uint32_t i = rows.first[cluster[l]]; i < rows.first[cluster[l] + 1]; ++i)
-      once.col(rows.group[i]) += rows.transfer_rgb[i][channel] * cluster_response.col(Eigen::Index(l));
+std::array<MatrixXf, 3> MultiBounce::onceReflected(const std::vector<uint32_t>& cluster, const std::array<MatrixXf, 3>& cluster_response) const {
+  // The sparse transposed of F times the responses, by rows of the listed clusters: [group][any].
+  std::array<MatrixXf, 3> once;
+  const size_t groups = size_t(solution[0].cols());
+  SparseRows to_group;
+  std::vector<uint32_t> next(groups + 1, 0);
+  for (const uint32_t c : cluster)
+    for (uint32_t i = rows.first[c]; i < rows.first[c + 1]; ++i) ++next[rows.group[i] + 1];
+  for (size_t g = 0; g < groups; ++g) next[g + 1] += next[g];
+  to_group.first = next;
+  to_group.column.resize(next.back());
+  to_group.value.resize(next.back());
+  for (int channel = 0; channel < 3; ++channel) {
+    std::copy(to_group.first.begin(), to_group.first.end(), next.begin());
+    for (size_t l = 0; l < cluster.size(); ++l)
+      for (uint32_t i = rows.first[cluster[l]]; i < rows.first[cluster[l] + 1]; ++i) {
+        const uint32_t at = next[rows.group[i]]++;
+        to_group.column[at] = uint32_t(l);
+        to_group.value[at] = rows.transfer_rgb[i][channel];
+      }
+    const Eigen::Index responses = cluster_response[channel].rows(), padded = (responses + 7) / 8 * 8;  // whole vectors
+    RowMajorMatrix by_cluster = RowMajorMatrix::Zero(Eigen::Index(cluster.size()), padded), by_group(Eigen::Index(groups), padded);
+    by_cluster.leftCols(responses) = cluster_response[channel].transpose();
+    multiply(to_group, by_cluster, by_group);
+    once[channel] = by_group.leftCols(responses).transpose();
+  }
   return once;
 }
 
@@ -70,7 +92,7 @@ MultiBounce solveMultiBounce(const EntryClusters& clusters, GroupRows rows) {
       continue;
     }
     const MatrixXd system = MatrixXd::Identity(clusters.group_count, clusters.group_count) - between[channel];
-    result.solution[channel] = system.partialPivLu().solve(between[channel]).cast<float>();
+    result.solution[channel] = solve(system, between[channel]).cast<float>();
     if (!result.solution[channel].allFinite())
       throw std::runtime_error("the multiple-bounce system is singular: some closed part of the scene reflects all light");
   }

@@ -36,7 +36,7 @@ struct MultiBounce {
   Eigen::MatrixXf received(int channel, const Eigen::MatrixXf& group_direct) const;
   /// The response to unit direct irradiance on each group, [any][group], for a response to irradiance on the listed fine clusters, [any][cluster]: of light that is reflected once on
   /// its way to them, and, from that, of all further bounces too. Rows of many responses may be put together for the second, which is dear.
-  Eigen::MatrixXf onceReflected(int channel, const std::vector<uint32_t>& cluster, const Eigen::MatrixXf& cluster_response) const;
+  std::array<Eigen::MatrixXf, 3> onceReflected(const std::vector<uint32_t>& cluster, const std::array<Eigen::MatrixXf, 3>& cluster_response) const;
   RowMajorMatrix allBounces(int channel, const Eigen::MatrixXf& once_reflected) const;
 };
 

@@ -9,4 +9,9 @@ RowMajorMatrix multiply(const Eigen::MatrixXf& a, const Eigen::Ref<const RowMajo
   return c;
 }
 
+void multiply(const SparseRows& a, const Eigen::Ref<const RowMajorMatrix>& b, Eigen::Ref<RowMajorMatrix> c) {
+  const SparseProduct product{&a, b.cols(), b.data(), b.outerStride(), c.data(), c.outerStride()};
+  if (!multiplySparseAvx2(product)) multiplySparseByVectors(product);
+}
+
 }  // namespace lightwell::transport
