@@ -76,12 +76,12 @@ transport::PrmSettings prmSettings(const plan::Settings& settings, const scene::
     case plan::Quality::draft:
       prm.entries.clusters = 4096, prm.entries.groups = 384;
       prm.cluster_rays = 64, prm.bases.rays = 128, prm.training_lights = 192, prm.emitter_samples = 16;
-      prm.bases.rank_error = 0.2f, prm.bases.wavelet_step = 0.02f, prm.probe_rays = 1024;
+      prm.bases.rank_error = 0.2f, prm.bases.wavelet_step = 0.03f, prm.probe_rays = 1024;
       break;
     case plan::Quality::preview:
       prm.entries.clusters = 8192, prm.entries.groups = 768;
       prm.cluster_rays = 128, prm.bases.rays = 256, prm.training_lights = 288, prm.emitter_samples = 32;
-      prm.bases.rank_error = 0.15f, prm.bases.wavelet_step = 0.015f, prm.probe_rays = 2048;
+      prm.bases.rank_error = 0.15f, prm.bases.wavelet_step = 0.0225f, prm.probe_rays = 2048;
       break;
     case plan::Quality::production:  // the estimator's defaults, which are made for local bases
       if (settings.prm_layout == plan::PrmLayout::panes) prm.entries.groups = 1024, prm.cluster_rays = 256, prm.bases.rays = 768;

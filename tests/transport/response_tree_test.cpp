@@ -158,6 +158,10 @@ TEST(LinearSystem, IsSolvedWithPivots) {
     if (size > 1) a(0, 0) = 0;
     const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(size, size, [&] { return uniform(random); });
     EXPECT_LT((solve(a, a * x) - x).norm(), 1e-9 * size * x.norm()) << size;
+    // As the solution of bounces is: I - R with rows of R that add up to 0.95.
+    const Eigen::MatrixXd r = a.cwiseAbs() * (0.95 / a.cwiseAbs().rowwise().sum().maxCoeff()), system = Eigen::MatrixXd::Identity(size, size) - r;
+    const Eigen::MatrixXd exact = solve(system, r);
+    EXPECT_LT((solve(Eigen::MatrixXf(system.cast<float>()), Eigen::MatrixXf(r.cast<float>())).cast<double>() - exact).norm(), 1e-5 * exact.norm()) << size;
   }
 }
 

@@ -6,25 +6,29 @@
 namespace lightwell::transport {
 
 /// The parts of a · x = b, all [size][size] by columns; a and b are used up, b receives x.
+template <class Scalar>
 struct LinearSystem {
   std::ptrdiff_t size;
-  double *a, *b;
+  Scalar *a, *b;
 };
 
 namespace {
 /// LU with partial pivoting in place, by Eigen for whichever instructions the including file is compiled for.
-[[maybe_unused]] void solveByEigen(const LinearSystem& system) {
-  using Map = Eigen::Map<Eigen::MatrixXd>;
-  Map a(system.a, system.size, system.size), b(system.b, system.size, system.size);
-  const Eigen::PartialPivLU<Eigen::Ref<Eigen::MatrixXd>> lu(a);
+template <class Scalar>
+[[maybe_unused]] void solveByEigen(const LinearSystem<Scalar>& system) {
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  Eigen::Map<Matrix> a(system.a, system.size, system.size), b(system.b, system.size, system.size);
+  const Eigen::PartialPivLU<Eigen::Ref<Matrix>> lu(a);
   b = lu.solve(b).eval();
 }
 }  // namespace
 
-/// Returns whether the machine could.
-bool solveAvx2(const LinearSystem& system);
+/// Return whether the machine could.
+bool solveAvx2(const LinearSystem<float>& system);
+bool solveAvx2(const LinearSystem<double>& system);
 
 /// x of a · x = b.
+Eigen::MatrixXf solve(Eigen::MatrixXf a, Eigen::MatrixXf b);
 Eigen::MatrixXd solve(Eigen::MatrixXd a, Eigen::MatrixXd b);
 
 }  // namespace lightwell::transport

@@ -3,15 +3,22 @@
 #include "precompute/transport/prm/linear_system.h"
 
 namespace lightwell::transport {
+namespace {
 
+template <class Scalar>
+bool solveWhereItCan(const LinearSystem<Scalar>& system) {
 #ifdef __AVX2__
-bool solveAvx2(const LinearSystem& system) {
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return false;
   solveByEigen(system);
   return true;
-}
 #else
-bool solveAvx2(const LinearSystem&) { return false; }
+  return system.size < 0;
 #endif
+}
+
+}  // namespace
+
+bool solveAvx2(const LinearSystem<float>& system) { return solveWhereItCan(system); }
+bool solveAvx2(const LinearSystem<double>& system) { return solveWhereItCan(system); }
 
 }  // namespace lightwell::transport

@@ -31,6 +31,8 @@ constexpr float kEvenWeight = 0.5f;
 constexpr float kUnseenWavelet = 0.1f;
 // Coefficients of differences round away from half a step toward zero: what just reaches it costs more bytes than it is worth.
 constexpr float kRounding = 0.4f;
+// The first map has nearly all of the block's light, and all clusters add to it: what rounding drops of it adds up, and shows as steps between blocks.
+constexpr float kFirstMapStep = 0.4f;
 // A coefficient is linked as often as it needs bytes; this bounds what a degenerate block can ask for.
 constexpr float kMostSteps = 127.0f * 512;
 
@@ -89,6 +91,9 @@ MatrixXf energyKeepingCoordinates(const MatrixXf& basis, const VectorXf& texel_w
   return (coordinates + direction / curvature * (alpha.transpose() - integral.transpose() * coordinates)).cast<float>();
 }
 
+/// Steps may be a few hundredths finer or coarser: few different ones take a quarter of the bytes.
+float nearestEighthOctave(float v) { return std::exp2(std::round(8 * std::log2(v)) / 8); }
+
 /// What a wavelet costs in bits: about those that its link and its coefficients take, and what is worth that of the error that rounding leaves. Errors of differences
 /// add up like noise. Means are never negative and lost in one sense: what is dropped of them is dear, or thousands of small ones would go together.
 float costOf(const float* value, const int32_t* steps, uint32_t width, bool is_mean) {
@@ -121,9 +126,10 @@ void linkWavelets(const ResponseTree& tree, const TrainingLights& training, cons
   }
   responseToWavelets(tree.shares, tree.children, width, response);
 
-  for (uint32_t k = 0; k < rank; ++k)
-    for (int channel = 0; channel < 3; ++channel)
-      block.scale.push_back(options.wavelet_step / (basis_norm[k] * training.mean_unit * training.channel_gain[channel]));
+  for (uint32_t k = 0; k < rank; ++k) {
+    const float step = nearestEighthOctave((k == 0 ? kFirstMapStep : 1.0f) * options.wavelet_step / (basis_norm[k] * training.mean_unit));
+    for (int channel = 0; channel < 3; ++channel) block.scale.push_back(step / training.channel_gain[channel]);
+  }
   std::vector<int32_t> steps(response.size());
   std::vector<float> cost(waveletCount(count));
   for (uint32_t w = 0; w < cost.size(); ++w) {

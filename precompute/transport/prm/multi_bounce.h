@@ -40,7 +40,7 @@ struct MultiBounce {
   RowMajorMatrix allBounces(int channel, const Eigen::MatrixXf& once_reflected) const;
 };
 
-/// Joins F with the S that follows from it. Solved in double by LU, so that albedo near 1 (spectral radius near 1) stays accurate. Throws
+/// Joins F with the S that follows from it. Solved by LU, in double precision where albedo is near 1 (spectral radius near 1). Throws
 /// std::runtime_error when a system is singular to working precision (only possible when albedo reaches 1, which the importer prevents).
 MultiBounce solveMultiBounce(const EntryClusters& clusters, GroupRows rows);
 

@@ -154,13 +154,14 @@ float rectangleGain(int i, vec3 to_light, vec3 n, float half_side) {
   float square = dot(to_light, to_light), height = dot(to_light, n);
   if (!(square < 1225.0 * half_side * half_side) || !(height > 0.0)) return 1.0;
   vec4 rectangle = texelFetch(u_rectangle, lwAddress(i), 0);
-  vec3 u = rectangle.xyz, v = cross(n, u) * rectangle.w;
-  float area = 4.0 * dot(u, u) * rectangle.w;
-  vec3 c0 = -u - v - to_light, c1 = u - v - to_light, c2 = u + v - to_light, c3 = v - u - to_light;
+  // In units that keep sixth powers of lengths in range.
+  float per_length = 1.0 / max(sqrt(square), half_side), square_there = square * per_length * per_length;
+  vec3 away = to_light * per_length, u = rectangle.xyz * per_length, v = cross(n, u) * rectangle.w;
+  vec3 c0 = -u - v - away, c1 = u - v - away, c2 = u + v - away, c3 = v - u - away;
   float l0 = length(c0), l2 = length(c2);
   vec2 one = solidAngle(c0, c1, c2, l0, length(c1), l2), other = solidAngle(c0, c2, c3, l0, l2, length(c3));
   float angle = 2.0 * atan(one.x * other.y + one.y * other.x, one.x * other.x - one.y * other.y);
-  return angle * square * sqrt(square) / (area * height);
+  return angle * square_there * sqrt(square_there) / (4.0 * dot(u, u) * rectangle.w * (height * per_length));
 }
 
 vec3 irradianceOf(int l, int i, vec3 position, vec3 normal, float half_side) {
