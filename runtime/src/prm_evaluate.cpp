@@ -12,9 +12,9 @@
 namespace lightwell::runtime {
 
 bool isIrradiance(const float* values, size_t count) {
-  bool good = true;
-  for (size_t i = 0; i < count; ++i) good &= (values[i] >= 0.0f) & (values[i] <= FLT_MAX);
-  return good;
+  uint32_t good = 0;  // a sum of numbers becomes one of vectors
+  for (size_t i = 0; i < count; ++i) good += uint32_t(values[i] >= 0.0f) & uint32_t(values[i] <= FLT_MAX);
+  return good == uint32_t(count);
 }
 
 bool resolveOptions(const lw_prm_options* given, lw_prm_options& options) {

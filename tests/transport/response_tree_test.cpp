@@ -126,6 +126,9 @@ TEST(Product, IsThatOfPlainLoops) {
         for (int i = 0; i < inner; ++i) sum += double(a(r, i)) * double(wide(i, k + 4));
         EXPECT_NEAR(c(r, k), sum, 1e-4) << rows << " " << r << " " << k;
       }
+    RowMajorMatrix plain(rows, columns);  // as on a machine without AVX2
+    multiplyByEigen({rows, inner, columns, a.data(), wide.data() + 4, wide.outerStride(), plain.data()});
+    EXPECT_LT((plain - c).cwiseAbs().maxCoeff(), 1e-4f);
   }
 }
 
@@ -147,6 +150,9 @@ TEST(Product, OfSparseRowsIsThatOfPlainLoops) {
         for (uint32_t i = a.first[size_t(r)]; i < a.first[size_t(r) + 1]; ++i) sum += double(a.value[i]) * double(wide(a.column[i], std::max(0, k - 2) + 4));
         EXPECT_NEAR(c(r, k), k < 2 || k == columns + 2 ? 7.0 : sum, 1e-4) << rows << " " << r << " " << k;
       }
+    RowMajorMatrix plain(rows, columns);  // as on a machine without AVX2
+    multiplySparseByVectors({&a, columns, wide.data() + 4, wide.outerStride(), plain.data(), columns});
+    EXPECT_LT((plain - c.middleCols(2, columns)).cwiseAbs().maxCoeff(), 1e-4f);
   }
 }
 
