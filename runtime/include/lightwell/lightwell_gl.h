@@ -157,7 +157,7 @@ LW_API lw_result lw_gl_upload_cluster_irradiance(lw_gl_prm *gl_prm, const float 
 /* ---- Indirect light of the atlas -------------------------------------------------------------------------------------------------- */
 
 /* lw_prm_evaluate on the GPU, from the cluster averages of the last update, into the atlas texture. The brightest panes are ranked on
- * the GPU. Local bases: see lw_gl_update_coefficients.
+ * the GPU. Local bases: their amounts as by lw_gl_update_coefficients, then the atlas by LW_GL_RECONSTRUCT_….
  *
  * Local bases keep, in the library's own atlas texture, the texels whose light has not changed since the last call: nobody else may write to it.
  *
