@@ -40,7 +40,7 @@ inline void reconstructTile(const Float4* amount_rgb, uint32_t rank, const int8_
   }
 }
 
-/// To the nearest half, ties to even. The values are not negative; above 65504 they become that.
+/// format::packHalf without branches, so that loops become vectors: to the nearest half, ties to even. The values are not negative; above 65504 they become that.
 inline void packTile(const float* values_rgba, uint32_t count, uint16_t* halfs_rgba) {
   constexpr uint32_t kLeastNormal = 113u << 23, kHalf = 126u << 23;
   for (uint32_t i = 0; i < count * 4; ++i) {

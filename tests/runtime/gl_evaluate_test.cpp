@@ -10,21 +10,7 @@ class GlEvaluate : public GlFixture {};
 LW_INSTANTIATE_GL(GlEvaluate);
 
 /// Local bases, reconstructed on either side.
-class GlReconstruct : public GlFixture {
- protected:
-  template <class Test>
-  void onBothSides(Test test) {
-    for (const uint32_t side : kReconstructions) {
-      SCOPED_TRACE(side);
-      reconstruct = side;
-      test();
-      if (HasFatalFailure()) return;
-    }
-  }
-  void sumsAtTheirLimits();
-  void followsWhicheverLightCameLast();
-  void followsSmallChangesForLong();
-};
+class GlReconstruct : public GlFixture {};
 LW_INSTANTIATE_GL(GlReconstruct);
 
 TEST_P(GlEvaluate, AgreesWithThePlainSumInEveryLayout) {
@@ -134,74 +120,83 @@ TEST_P(GlEvaluate, AveragesLightOverRectanglesAsTheCpuDoes) {
   }
 }
 
-void GlReconstruct::sumsAtTheirLimits() {
-  for (const SyntheticOptions& options : extremeLocalBases()) {
-    load(options);
-    const GlPrm gl_prm = upload();
-    std::vector<float> irradiance(size_t(options.clusters) * 3);
-    for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] = 0.5f + float(i);
-    ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
-    ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
-    EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(irradiance)), 1e-5) << options.clusters << " clusters, " << options.blocks << " blocks";
+TEST_P(GlReconstruct, SumsAtTheirLimits) {
+  for (const uint32_t side : kReconstructions) {
+    SCOPED_TRACE(side);
+    reconstruct = side;
+    for (const SyntheticOptions& options : extremeLocalBases()) {
+      load(options);
+      const GlPrm gl_prm = upload();
+      std::vector<float> irradiance(size_t(options.clusters) * 3);
+      for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] = 0.5f + float(i);
+      ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
+      ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
+      EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(irradiance)), 1e-5) << options.clusters << " clusters, " << options.blocks << " blocks";
+    }
   }
 }
-TEST_P(GlReconstruct, SumsAtTheirLimits) { onBothSides([&] { sumsAtTheirLimits(); }); }
 
 /// Amounts of blocks are summed from what was updated last, on whichever side.
-void GlReconstruct::followsWhicheverLightCameLast() {
-  SyntheticOptions options;
-  options.layout = Layout::local_bases;
-  load(options);
-  const GlPrm gl_prm = upload();
-  prm.reset();  // what is on OpenGL needs it no longer
-  std::vector<float> clusters(size_t(options.clusters) * 3);
-  const lw_gl_light light = glPointLight(0.5f, 2, -0.5f, 20);
-  const double most = 3 * lw_prm_options LW_PRM_OPTIONS_INIT.tolerance;  // each side leaves something out
-  for (const int round : {0, 1}) {
-    const auto irradiance = randomIrradiance(options.clusters, 20 + uint32_t(round));
-    ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
-    for (int repeated = 0; repeated < 2; ++repeated) {
+TEST_P(GlReconstruct, FollowsWhicheverLightCameLast) {
+  for (const uint32_t side : kReconstructions) {
+    SCOPED_TRACE(side);
+    reconstruct = side;
+    SyntheticOptions options;
+    options.layout = Layout::local_bases;
+    load(options);
+    const GlPrm gl_prm = upload();
+    prm.reset();  // what is on OpenGL needs it no longer
+    std::vector<float> clusters(size_t(options.clusters) * 3);
+    const lw_gl_light light = glPointLight(0.5f, 2, -0.5f, 20);
+    const double most = 3 * lw_prm_options LW_PRM_OPTIONS_INIT.tolerance;  // each side leaves something out
+    for (const int round : {0, 1}) {
+      const auto irradiance = randomIrradiance(options.clusters, 20 + uint32_t(round));
+      ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
+      for (int repeated = 0; repeated < 2; ++repeated) {
+        ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
+        EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(irradiance)), most);
+      }
+      ASSERT_EQ(lw_gl_update_entries(gl_prm.get(), &light, 1), LW_OK);
       ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
-      EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(irradiance)), most);
+      ASSERT_EQ(lw_gl_read_clusters(gl_prm.get(), clusters.data()), LW_OK);
+      EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(clusters)), most);
     }
-    ASSERT_EQ(lw_gl_update_entries(gl_prm.get(), &light, 1), LW_OK);
-    ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
-    ASSERT_EQ(lw_gl_read_clusters(gl_prm.get(), clusters.data()), LW_OK);
-    EXPECT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(clusters)), most);
   }
 }
-TEST_P(GlReconstruct, FollowsWhicheverLightCameLast) { onBothSides([&] { followsWhicheverLightCameLast(); }); }
 
 /// Sums that are kept from frame to frame do not drift, forget no block, and hold a dim light after a bright one.
-void GlReconstruct::followsSmallChangesForLong() {
-  SyntheticOptions options;
-  options.layout = Layout::local_bases;
-  options.clusters = 300, options.blocks = 60;
-  load(options);
-  const GlPrm gl_prm = upload();
-  auto irradiance = randomIrradiance(options.clusters, 5);
-  const auto check = [&](int frame) {
+TEST_P(GlReconstruct, FollowsSmallChangesForLong) {
+  for (const uint32_t side : kReconstructions) {
+    SCOPED_TRACE(side);
+    reconstruct = side;
+    SyntheticOptions options;
+    options.layout = Layout::local_bases;
+    options.clusters = 300, options.blocks = 60;
+    load(options);
+    const GlPrm gl_prm = upload();
+    auto irradiance = randomIrradiance(options.clusters, 5);
+    const auto check = [&](int frame) {
+      ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
+      ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
+      if (frame % 10 == 0) { ASSERT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(irradiance)), 0.001) << "frame " << frame; }
+    };
+    for (int frame = 0; frame < 200; ++frame) {
+      for (int k = 0; k < 3; ++k) irradiance[size_t(frame * 7 % 300 * 3 + k)] = 0.1f * float(frame % 23);
+      check(frame);
+    }
+    for (const float factor : {1e7f, 1e-7f, 1e-7f, 1e7f}) {
+      for (float& e : irradiance) e *= factor;
+      check(0);
+    }
+    std::fill(irradiance.begin(), irradiance.end(), 0.0f);
+    lw_prm_options dark = LW_PRM_OPTIONS_INIT;
+    dark.emitters = LW_EMITTERS_OFF;
     ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
-    ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), nullptr), LW_OK);
-    if (frame % 10 == 0) { ASSERT_LT(relrmse(readAtlas(gl_prm.get()), synthetic.evaluate(irradiance)), 0.001) << "frame " << frame; }
-  };
-  for (int frame = 0; frame < 200; ++frame) {
-    for (int k = 0; k < 3; ++k) irradiance[size_t(frame * 7 % 300 * 3 + k)] = 0.1f * float(frame % 23);
-    check(frame);
+    ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), &dark), LW_OK);
+    const auto atlas = readAtlas(gl_prm.get());
+    for (size_t i = 0; i < atlas.size(); ++i) ASSERT_TRUE(i % 4 == 3 || atlas[i] == 0.0f);
   }
-  for (const float factor : {1e7f, 1e-7f, 1e-7f, 1e7f}) {
-    for (float& e : irradiance) e *= factor;
-    check(0);
-  }
-  std::fill(irradiance.begin(), irradiance.end(), 0.0f);
-  lw_prm_options dark = LW_PRM_OPTIONS_INIT;
-  dark.emitters = LW_EMITTERS_OFF;
-  ASSERT_EQ(lw_gl_upload_cluster_irradiance(gl_prm.get(), irradiance.data()), LW_OK);
-  ASSERT_EQ(lw_gl_evaluate(gl_prm.get(), &dark), LW_OK);
-  const auto atlas = readAtlas(gl_prm.get());
-  for (size_t i = 0; i < atlas.size(); ++i) ASSERT_TRUE(i % 4 == 3 || atlas[i] == 0.0f);
 }
-TEST_P(GlReconstruct, FollowsSmallChangesForLong) { onBothSides([&] { followsSmallChangesForLong(); }); }
 
 /// What the CPU uploads is the nearest half of each value, at most the greatest.
 TEST_P(GlReconstruct, RoundsToTheNearestHalf) {

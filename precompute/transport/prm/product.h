@@ -86,11 +86,11 @@ using RowMajorMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eige
 bool multiplyAvx2(const Product& product);
 bool multiplySparseAvx2(const SparseProduct& product);
 
-/// a · b. Fits spend a quarter of their time in such products, which Eigen makes for the machine that it is compiled for: any x86-64. As with Embree, another machine may round
+/// a · b, [rows][columns]. Eigen makes products for the machine that it is compiled for: any x86-64; these are for the machine that it runs on. As with Embree, another one may round
 /// differently.
 RowMajorMatrix multiply(const Eigen::MatrixXf& a, const Eigen::Ref<const RowMajorMatrix>& b);
 
-/// The same with a sparse `a`, into `c`.
+/// The same with a sparse `a`, into `c`, [a.rows()][b.cols()].
 void multiply(const SparseRows& a, const Eigen::Ref<const RowMajorMatrix>& b, Eigen::Ref<RowMajorMatrix> c);
 
 }  // namespace lightwell::transport

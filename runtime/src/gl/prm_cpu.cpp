@@ -5,6 +5,7 @@
 #include "runtime/src/prm_state.h"
 
 namespace lightwell::runtime::gl {
+
 bool isSoftware(const Api& api) {
   const auto* renderer = reinterpret_cast<const char*>(api.GetString(kRenderer));
   if (!renderer) return false;
