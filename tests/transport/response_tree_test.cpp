@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "precompute/transport/prm/hemisphere_bundle.h"
@@ -68,12 +69,13 @@ TEST(ResponseTree, HasTheResponsesOfTheWholeTreeAndLeavesOutZerosOnly) {
     const ResponseTree tree(clusters, all, met);
     EXPECT_EQ(tree.children.size() + 1, tree.leaves);
     ASSERT_EQ(tree.wavelet.size(), waveletCount(tree.leaves));
-    ASSERT_EQ(tree.cluster_leaf.size(), met.size());
+    ASSERT_EQ(tree.leaf_of_cluster.size(), clusters.cluster_count);
     std::vector<float> response(tree.wavelet.size(), 0.0f);
     for (size_t i = 0; i < met.size(); ++i) {
-      EXPECT_EQ(tree.wavelet[tree.cluster_leaf[i]], met[i]);
-      response[tree.cluster_leaf[i]] += float(met[i] + 1);
+      EXPECT_EQ(tree.wavelet[tree.leaf_of_cluster[met[i]]], met[i]);
+      response[tree.leaf_of_cluster[met[i]]] += float(met[i] + 1);
     }
+    for (uint32_t c = 0; c < clusters.cluster_count; ++c) EXPECT_EQ(tree.group_of_leaf.at(tree.leaf_of_cluster[c]), clusters.group_of_cluster[c]);
     for (uint32_t g = 0; g < clusters.group_count; ++g) response[tree.group_mean[g]] += 100.0f * float(g + 1);
     responseToWavelets(tree.shares, tree.children, 1, response);
     const auto whole = responseOfAll(clusters, all, met);
@@ -89,10 +91,14 @@ TEST(ResponseTree, HasTheResponsesOfTheWholeTreeAndLeavesOutZerosOnly) {
   }
 }
 
-TEST(ResponseTree, IsTheGroupsWhereNothingIsMet) {
+TEST(ResponseTree, HasSmallPartsOfGroupsForLeavesWhereNothingIsMet) {
   const EntryClusters clusters = someClusters(7);
   const ResponseTree tree(clusters, WaveletIndex(clusters), {});
-  EXPECT_EQ(tree.leaves, clusters.group_count);
+  std::vector<uint32_t> size(tree.leaves, 0);
+  for (const uint32_t leaf : tree.leaf_of_cluster) ++size.at(leaf);
+  EXPECT_EQ(*std::max_element(size.begin(), size.end()), 4u);
+  EXPECT_GE(tree.leaves, clusters.group_count);
+  EXPECT_LT(tree.leaves, clusters.cluster_count);
 }
 
 TEST(HemisphereBundle, IsEvenByTheCosineAndKeepsNeighboursTogether) {

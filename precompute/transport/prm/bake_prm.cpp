@@ -29,18 +29,18 @@ Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> readMatrix
   return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(values.data(), rows, columns);
 }
 
-void writeRows(ByteWriter& writer, const GroupRows& rows) {
+void writeRows(ByteWriter& writer, const ClusterRows& rows) {
   writer.array(rows.first);
-  writer.array(rows.group);
+  writer.array(rows.cluster);
   writer.array(rows.transfer_rgb);
 }
 
-GroupRows readRows(ByteReader& reader) {
-  GroupRows rows;
+ClusterRows readRows(ByteReader& reader) {
+  ClusterRows rows;
   rows.first = reader.array<uint32_t>();
-  rows.group = reader.array<uint32_t>();
+  rows.cluster = reader.array<uint32_t>();
   rows.transfer_rgb = reader.array<Rgb>();
-  if (rows.first.empty() || rows.first.back() != rows.group.size() || rows.group.size() != rows.transfer_rgb.size())
+  if (rows.first.empty() || rows.first.back() != rows.cluster.size() || rows.cluster.size() != rows.transfer_rgb.size())
     throw std::runtime_error("a task result is damaged");
   return rows;
 }
@@ -203,9 +203,9 @@ bool PrmBaker::hasEmitters() const { return impl_->has_emitters; }
 
 Bytes PrmBaker::oneBounce(uint32_t first, uint32_t end) const {
   const auto& clusters = impl_->clusters;
-  GroupRows rows;
+  ClusterRows rows;
   for (uint32_t c = clusters.group_first_cluster[first]; c < clusters.group_first_cluster[end]; ++c)
-    rows.append(clusters, impl_->gatherer.mean(clusters.sidesOf(c), impl_->settings.cluster_rays, c));
+    rows.append(impl_->gatherer.mean(clusters.sidesOf(c), impl_->settings.cluster_rays, c));
   ByteWriter writer;
   writeRows(writer, rows);
   return writer.take();
@@ -243,7 +243,7 @@ Bytes PrmBaker::emitterDirect(uint32_t first, uint32_t end) const {
 
 Bytes PrmBaker::solve(std::span<const ByteView> one_bounce, std::span<const ByteView> training, std::span<const ByteView> emitter) const {
   const auto& clusters = impl_->clusters;
-  GroupRows rows;
+  ClusterRows rows;
   for (const auto& part : one_bounce) {
     ByteReader reader(part);
     rows.append(readRows(reader));
@@ -262,9 +262,9 @@ Bytes PrmBaker::solve(std::span<const ByteView> one_bounce, std::span<const Byte
     emitters.cluster_rgb.assign(emitted_rgb.begin(), emitted_rgb.begin() + clusters.cluster_count);
     group_emitted_rgb.assign(emitted_rgb.begin() + clusters.cluster_count, emitted_rgb.end());
     for (int channel = 0; channel < 3; ++channel) {
-      Eigen::MatrixXf group_direct(clusters.group_count, 1);
-      for (uint32_t g = 0; g < clusters.group_count; ++g) group_direct(g, 0) = group_emitted_rgb[g][channel];
-      const Eigen::MatrixXf received = multi_bounce.received(channel, group_direct);
+      RowMajorMatrix direct(clusters.cluster_count, 1);
+      for (uint32_t c = 0; c < clusters.cluster_count; ++c) direct(c, 0) = emitters.cluster_rgb[c][channel];
+      const RowMajorMatrix received = multi_bounce.received(channel, clusters, direct);
       for (uint32_t c = 0; c < clusters.cluster_count; ++c) emitters.cluster_rgb[c][channel] += received(c, 0);
     }
   }

@@ -29,8 +29,8 @@ constexpr float kUnseenFloor = 0.3f, kUnseenWeight = 0.25f;
 constexpr float kEvenWeight = 0.5f;
 // A wavelet that no training light excites is taken to be as large as this share of the light around it.
 constexpr float kUnseenWavelet = 0.1f;
-// Coefficients of differences round away from half a step toward zero: what just reaches it costs more bytes than it is worth.
-constexpr float kRounding = 0.4f;
+// Coefficients of differences round up from this share of a step on: what just reaches half of one costs more bytes than it is worth.
+constexpr float kRounding = 0.6f;
 // The first map has nearly all of the block's light, and all clusters add to it: what rounding drops of it adds up, and shows as steps between blocks.
 constexpr float kFirstMapStep = 0.4f;
 // A coefficient is linked as often as it needs bytes; this bounds what a degenerate block can ask for.
@@ -94,35 +94,54 @@ MatrixXf energyKeepingCoordinates(const MatrixXf& basis, const VectorXf& texel_w
 /// Steps may be a few hundredths finer or coarser: few different ones take a quarter of the bytes.
 float nearestEighthOctave(float v) { return std::exp2(std::round(8 * std::log2(v)) / 8); }
 
+/// `value`, one wavelet's response, becomes one in steps, and `steps` the whole ones: rounded up from `rounding` on, away from zero.
+void toSteps(std::span<const float> steps_per_unit, float unit, float rounding, float* value, int32_t* steps) {
+#pragma omp simd
+  for (size_t i = 0; i < steps_per_unit.size(); ++i) {
+    const float v = std::min(std::max(value[i] * (unit * steps_per_unit[i]), -kMostSteps), kMostSteps);
+    const int32_t whole = int32_t(std::abs(v) + (1.0f - rounding));
+    value[i] = v;
+    steps[i] = v < 0 ? -whole : whole;
+  }
+}
+
 /// What a wavelet costs in bits: about those that its link and its coefficients take, and what is worth that of the error that rounding leaves. Errors of differences
 /// add up like noise. Means are never negative and lost in one sense: what is dropped of them is dear, or thousands of small ones would go together.
 float costOf(const float* value, const int32_t* steps, uint32_t width, bool is_mean) {
   constexpr float kLink = 8, kPerSquaredStep = 8, kPerLostStep = 40;
-  float bits = 0, lost = 0;
+  int32_t any = 0;
+  float bits = 0, lost = 0, squares = 0;
+#pragma omp simd reduction(| : any) reduction(+ : lost, squares)
   for (uint32_t i = 0; i < width; ++i) {
-    if (steps[i]) bits += float(1 + 2 * std::bit_width(uint32_t(std::abs(steps[i]))));
     const float rest = value[i] - float(steps[i]);
-    lost += is_mean && !steps[i] ? kPerLostStep * std::abs(rest) : kPerSquaredStep * rest * rest;
+    any |= steps[i];
+    lost += steps[i] ? 0.0f : std::abs(rest);
+    squares += is_mean && !steps[i] ? 0.0f : rest * rest;
   }
-  return (bits > 0 ? bits + kLink : 0) + lost;
+  if (any) {
+    bits = kLink;
+    for (uint32_t i = 0; i < width; ++i)
+      if (steps[i]) bits += float(1 + 2 * std::bit_width(uint32_t(std::abs(steps[i]))));
+  }
+  return bits + kPerSquaredStep * squares + (is_mean ? kPerLostStep * lost : 0.0f);
 }
 
-/// Adds the block's amounts as rows over wavelets. `from_cluster`, per channel [rank][cluster of the tree's `cluster_leaf`]: what comes straight from fine clusters;
-/// `from_group`, [rank][group]: what comes from groups after further bounces.
+/// Adds the block's amounts as rows over wavelets. `from_leaf`, per channel [rank][leaf of the tree]: what comes straight from there or is reflected once on its way; `from_group`,
+/// [rank][group]: what comes from groups after further bounces; rows from `first_leaf_row` and `first_group_row` on.
 ///
 /// Light on a subtree is known by its mean and the differences below; or by that of the two children, each on its own. Of all such bases the one that
 /// costs least is found from the leaves up (Coifman, Wickerhauser: "Entropy-Based Algorithms for Best Basis Selection"): where a block is
 /// lit from one room only, the light of all others need not be cancelled.
-void linkWavelets(const ResponseTree& tree, const TrainingLights& training, const ChannelMatrices& from_cluster, const ChannelMatrices& from_group,
-                  const VectorXf& basis_norm, const LocalBasesOptions& options, BasisBlock& block) {
+void linkWavelets(const ResponseTree& tree, const TrainingLights& training, const std::array<MatrixXf, 3>& from_leaf, Eigen::Index first_leaf_row,
+                  const ChannelMatrices& from_group, Eigen::Index first_group_row, const VectorXf& basis_norm, const LocalBasesOptions& options, BasisBlock& block) {
   const uint32_t count = tree.leaves, width = block.rank * 3, rank = block.rank;
-  std::vector<float> response(size_t(waveletCount(count)) * width);
+  std::vector<float> response(size_t(waveletCount(count)) * width);  // [wavelet][channel][rank]
   for (int channel = 0; channel < 3; ++channel) {
     const auto add = [&](uint32_t wavelet, const auto& column) {
-      for (uint32_t k = 0; k < rank; ++k) response[size_t(wavelet) * width + k * 3 + uint32_t(channel)] += column[k];
+      Eigen::Map<VectorXf>(&response[size_t(wavelet) * width + uint32_t(channel) * rank], Eigen::Index(rank)) += column;
     };
-    for (size_t l = 0; l < tree.cluster_leaf.size(); ++l) add(tree.cluster_leaf[l], from_cluster[channel].col(Eigen::Index(l)));
-    for (size_t g = 0; g < tree.group_mean.size(); ++g) add(tree.group_mean[g], from_group[channel].col(Eigen::Index(g)));
+    for (uint32_t l = 0; l < count; ++l) add(l, from_leaf[channel].col(Eigen::Index(l)).segment(first_leaf_row, rank));
+    for (size_t g = 0; g < tree.group_mean.size(); ++g) add(tree.group_mean[g], from_group[channel].col(Eigen::Index(g)).segment(first_group_row, rank));
   }
   responseToWavelets(tree.shares, tree.children, width, response);
 
@@ -130,17 +149,15 @@ void linkWavelets(const ResponseTree& tree, const TrainingLights& training, cons
     const float step = nearestEighthOctave((k == 0 ? kFirstMapStep : 1.0f) * options.wavelet_step / (basis_norm[k] * training.mean_unit));
     for (int channel = 0; channel < 3; ++channel) block.scale.push_back(step / training.channel_gain[channel]);
   }
+  std::vector<float> steps_per_unit(width);
+  for (uint32_t i = 0; i < width; ++i) steps_per_unit[i] = 1.0f / block.scale[i % rank * 3 + i / rank];
   std::vector<int32_t> steps(response.size());
   std::vector<float> cost(waveletCount(count));
   for (uint32_t w = 0; w < cost.size(); ++w) {
-    const float unit = waveletUnit(training.wavelet_unit[tree.wavelet[w]]);
     const bool is_mean = w < differenceIndex(count, 0);
-    for (uint32_t i = 0; i < width; ++i) {
-      float& value = response[size_t(w) * width + i];
-      value = std::clamp(value * unit / block.scale[i], -kMostSteps, kMostSteps);
-      steps[size_t(w) * width + i] = int32_t(std::copysign(std::floor(std::abs(value) + (is_mean ? 0.5f : kRounding)), value));
-    }
-    cost[w] = costOf(&response[size_t(w) * width], &steps[size_t(w) * width], width, is_mean);
+    float* value = &response[size_t(w) * width];
+    toSteps(steps_per_unit, waveletUnit(training.wavelet_unit[tree.wavelet[w]]), is_mean ? 0.5f : kRounding, value, &steps[size_t(w) * width]);
+    cost[w] = costOf(value, &steps[size_t(w) * width], width, is_mean);
   }
   // Of each child, the cost of all differences below, and that of its best basis. A mean may not stand for a subtree of which some part gives the block nothing at
   // all: that part lies beyond a wall, and however strong its light is, nothing of it may pass.
@@ -185,10 +202,11 @@ void linkWavelets(const ResponseTree& tree, const TrainingLights& training, cons
       any = false;
       block.link_wavelet.push_back(wavelet);
       for (uint32_t i = 0; i < width; ++i) {
-        const int32_t part = std::clamp(rest[i], -127, 127);
+        int32_t& own = rest[i % 3 * rank + i / 3];  // coefficients are stored by map, then channel
+        const int32_t part = std::clamp(own, -127, 127);
         block.coefficient.push_back(int8_t(part));
-        rest[i] -= part;
-        any |= rest[i] != 0;
+        own -= part;
+        any |= own != 0;
       }
     }
   }
@@ -206,18 +224,13 @@ TrainingLights makeTrainingLights(const EntryClusters& clusters, const WaveletIn
     for (uint32_t c = 0; c < clusters.cluster_count; ++c) training.total(c, light) = direct_irradiance[light][c];
   const RowMajor direct = training.total;
 
-  MatrixXf group_direct = MatrixXf::Zero(clusters.group_count, training.count);
-  for (uint32_t c = 0; c < clusters.cluster_count; ++c) {
-    const uint32_t group = clusters.group_of_cluster[c];
-    group_direct.row(group) += direct.row(c) * (clusters.area[c] / clusters.area[clusters.cluster_count + group]);
-  }
   std::vector<double> mean(training.count, 0.0);
   double area = 0;
   for (uint32_t c = 0; c < clusters.cluster_count; ++c) area += clusters.area[c];
   for (int channel = 0; channel < 3; ++channel) {
     const Eigen::Index first = training.first(channel), count = Eigen::Index(training.first(channel + 1)) - first;
     if (count == 0) continue;
-    const MatrixXf indirect = multi_bounce.received(channel, group_direct.middleCols(first, count));
+    const RowMajor indirect = multi_bounce.received(channel, clusters, direct.middleCols(first, count));
     for (Eigen::Index light = 0; light < count; ++light)
       for (uint32_t c = 0; c < clusters.cluster_count; ++c) mean[size_t(first + light)] += double(clusters.area[c]) * indirect(c, light);
     training.total.middleCols(first, count) += indirect;
@@ -396,36 +409,47 @@ struct ProjectedBlock {
   }
 };
 
-/// Links the bases of some blocks. Further bounces are followed in the bases' coordinates, which are fewer than texels, of all blocks together.
-void linkAll(std::span<ProjectedBlock> blocks, const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options) {
+/// Links the bases of some blocks, and lets go of the projections' transport. Further bounces are followed in the bases' coordinates, which are fewer than texels, of all blocks
+/// together.
+void linkAll(std::span<ProjectedBlock> blocks, const EntryClusters& clusters, const MultiBounce& multi_bounce, const TrainingLights& training, const LocalBasesOptions& options) {
   Eigen::Index ranks = 0;
   for (const ProjectedBlock& block : blocks) ranks += block.ranks();
-  std::array<MatrixXf, 3> once;  // [coordinate of all][group]
-  for (MatrixXf& matrix : once) matrix.resize(ranks, multi_bounce.solution[0].rows());
+  std::vector<std::array<MatrixXf, 3>> from_leaf;  // of each block, [its coordinates][leaf]
+  std::array<MatrixXf, 3> once;                    // [coordinate of all][group]
+  for (MatrixXf& matrix : once) matrix.setZero(ranks, clusters.group_count);
   Eigen::Index row = 0;
-  for (const ProjectedBlock& block : blocks) {
+  for (ProjectedBlock& block : blocks) {
     std::array<MatrixXf, 3> from_cluster;
     for (int channel = 0; channel < 3; ++channel) {
       from_cluster[channel].resize(block.ranks(), Eigen::Index(block.cluster.size()));
       Eigen::Index own = 0;
-      for (const Projection& p : block.projections)
+      for (Projection& p : block.projections) {
         if (p.block.rank > 0) from_cluster[channel].middleRows(own, Eigen::Index(p.block.rank)) = p.from_cluster[channel], own += Eigen::Index(p.block.rank);
+        p.from_cluster[channel].resize(0, 0);
+      }
     }
-    const auto own_once = multi_bounce.onceReflected(block.cluster, from_cluster);
-    for (int channel = 0; channel < 3; ++channel) once[channel].middleRows(row, block.ranks()) = own_once[channel];
+    auto& leaves = from_leaf.emplace_back(multi_bounce.onceReflected(block.cluster, from_cluster, block.tree.leaf_of_cluster, block.tree.leaves));
+    for (int channel = 0; channel < 3; ++channel) {
+      for (uint32_t leaf = 0; leaf < block.tree.leaves; ++leaf)
+        once[channel].col(block.tree.group_of_leaf[leaf]).segment(row, block.ranks()) += leaves[channel].col(leaf);
+      for (size_t l = 0; l < block.cluster.size(); ++l) leaves[channel].col(block.tree.leaf_of_cluster[block.cluster[l]]) += from_cluster[channel].col(Eigen::Index(l));
+    }
     row += block.ranks();
   }
   ChannelMatrices from_group;
-  for (int channel = 0; channel < 3; ++channel) from_group[channel] = multi_bounce.allBounces(channel, once[channel]);
+  for (int channel = 0; channel < 3; ++channel) from_group[channel] = multi_bounce.furtherReflected(channel, once[channel]);
   row = 0;
-  for (ProjectedBlock& block : blocks)
-    for (Projection& p : block.projections) {
-      if (p.block.rank == 0) continue;
-      ChannelMatrices own;
-      for (int channel = 0; channel < 3; ++channel) own[channel] = from_group[channel].middleRows(row, Eigen::Index(p.block.rank));
-      linkWavelets(block.tree, training, p.from_cluster, own, p.basis_norm, options, p.block);
-      row += Eigen::Index(p.block.rank);
+  for (size_t b = 0; b < blocks.size(); ++b) {
+    Eigen::Index own_row = 0;
+    for (Projection& p : blocks[b].projections) {
+      const Eigen::Index rank = Eigen::Index(p.block.rank);
+      if (rank == 0) continue;
+      linkWavelets(blocks[b].tree, training, from_leaf[b], own_row, from_group, row + own_row, p.basis_norm, options, p.block);
+      own_row += rank;
     }
+    row += own_row;
+    for (MatrixXf& matrix : from_leaf[b]) matrix.resize(0, 0);
+  }
 }
 
 /// Texels that share what they see with others of the same part only: a block must not reach through a wall, for its maps would let light pass. Lists of
@@ -475,7 +499,7 @@ std::vector<BasisBlock> fitWhole(std::span<const BlockTransport> transports, con
     projected.push_back({transport.cluster, {clusters, wavelets, transport.cluster}, {}});
     projected.back().projections.push_back(BlockFit(transport, weight, training, options).fitWhole());
   }
-  linkAll(projected, multi_bounce, training, options);
+  linkAll(projected, clusters, multi_bounce, training, options);
   std::vector<BasisBlock> blocks;
   for (ProjectedBlock& p : projected) blocks.push_back(std::move(p.projections.front().block));
   return blocks;
@@ -511,7 +535,7 @@ std::vector<std::vector<BasisBlock>> fitBlocks(std::span<const std::vector<uint3
             sum[channel] += transport.from_cluster[channel](t, Eigen::Index(l)) * emitters.cluster_rgb[transport.cluster[l]][channel];
       }
   }
-  linkAll(projected, multi_bounce, training, options);
+  linkAll(projected, clusters, multi_bounce, training, options);
   std::vector<std::vector<BasisBlock>> blocks;
   for (ProjectedBlock& block : projected) {
     auto& own = blocks.emplace_back();

@@ -15,9 +15,9 @@ std::vector<Rgb> gatherPanes(std::span<const uint32_t> slots, const Gatherer& ga
                              uint32_t rays) {
   const BlockTransport transport = gatherBlock(slots, gatherer, rays, clusters.cluster_count);
   std::vector<Rgb> panes(slots.size() * clusters.group_count, Rgb(0.0f));
-  const auto once_reflected = multi_bounce.onceReflected(transport.cluster, transport.from_cluster);
+  const auto once_reflected = multi_bounce.onceReflected(transport.cluster, transport.from_cluster, clusters.group_of_cluster, clusters.group_count);
   for (int channel = 0; channel < 3; ++channel) {
-    Eigen::MatrixXf pane = multi_bounce.allBounces(channel, once_reflected[channel]);
+    Eigen::MatrixXf pane = once_reflected[channel] + multi_bounce.furtherReflected(channel, once_reflected[channel]);
     for (size_t l = 0; l < transport.cluster.size(); ++l)
       pane.col(clusters.group_of_cluster[transport.cluster[l]]) += transport.from_cluster[channel].col(Eigen::Index(l));
     for (size_t t = 0; t < slots.size(); ++t)

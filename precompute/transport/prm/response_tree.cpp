@@ -3,6 +3,12 @@
 #include <algorithm>
 
 namespace lightwell::transport {
+namespace {
+
+// Clusters that may be one leaf where no ray of the block met any of them: their light is reflected once more before it reaches the block, but perhaps just behind an edge.
+constexpr uint32_t kMostUnmet = 4;
+
+}  // namespace
 
 WaveletIndex::WaveletIndex(const EntryClusters& clusters)
     : root(clusters.cluster_count == 1 ? WaveletTree::kLeaf : 0), children(clusters.tree.children(clusters.cluster_count)), leaves(children.size()) {
@@ -15,7 +21,7 @@ WaveletIndex::WaveletIndex(const EntryClusters& clusters)
   }
 }
 
-ResponseTree::ResponseTree(const EntryClusters& clusters, const WaveletIndex& all, const std::vector<uint32_t>& met) : group_mean(clusters.group_count) {
+ResponseTree::ResponseTree(const EntryClusters& clusters, const WaveletIndex& all, const std::vector<uint32_t>& met) : leaf_of_cluster(clusters.cluster_count), group_mean(clusters.group_count) {
   if (clusters.cluster_count == 0) return;
   struct Visit {
     uint32_t child, parent;  // of the whole tree; of this one
@@ -31,13 +37,15 @@ ResponseTree::ResponseTree(const EntryClusters& clusters, const WaveletIndex& al
     const auto [first, end] = all.leavesOf(child);
     const uint32_t group = clusters.group_of_cluster[first];
     const bool any_met = next_met != met.end() && *next_met < end;  // clusters are visited in their order
-    const bool is_leaf = child & WaveletTree::kLeaf || (!any_met && clusters.group_of_cluster[end - 1] == group);
+    const bool is_leaf = child & WaveletTree::kLeaf || (!any_met && end - first <= kMostUnmet && clusters.group_of_cluster[end - 1] == group);
     const uint32_t place = is_leaf ? uint32_t(leaf.size()) | WaveletTree::kLeaf : uint32_t(node.size());
     if (clusters.group_first_cluster[group] == first && clusters.group_first_cluster[group + 1] == end) node_of_group[group] = place;
     if (!node.empty()) (is_first ? children[parent].first : children[parent].second) = place;
     if (is_leaf) {
-      if (any_met) cluster_leaf.push_back(uint32_t(leaf.size())), ++next_met;
+      if (any_met) ++next_met;
+      std::fill(leaf_of_cluster.begin() + first, leaf_of_cluster.begin() + end, uint32_t(leaf.size()));
       leaf.push_back(child);
+      group_of_leaf.push_back(group);
       continue;
     }
     node.push_back(child);

@@ -21,8 +21,8 @@ struct WaveletIndex {
   std::vector<Leaves> leaves;  // of each inner node
 };
 
-/// The tree without what is below groups, or parts of groups, of whose clusters no ray of the block met any: light from there comes by way of other groups only, and is
-/// the mean's. Its leaves are clusters and such nodes; it is numbered as WaveletTree is.
+/// The tree without what is below small parts of groups of whose clusters no ray of the block met any: light from there comes by way of others only, and is
+/// taken to be the mean's. Its leaves are clusters and such nodes; it is numbered as WaveletTree is.
 struct ResponseTree {
   /// `met`: clusters, ascending.
   ResponseTree(const EntryClusters& clusters, const WaveletIndex& all, const std::vector<uint32_t>& met);
@@ -31,7 +31,8 @@ struct ResponseTree {
   WaveletTree shares;                           // `first_share` only
   std::vector<WaveletTree::Children> children;  // [inner nodes]
   std::vector<uint32_t> wavelet;                // [waveletCount(leaves)]: which of the whole tree's it is
-  std::vector<uint32_t> cluster_leaf;           // of each that was met
+  std::vector<uint32_t> leaf_of_cluster;        // [cluster of the whole tree]
+  std::vector<uint32_t> group_of_leaf;
   std::vector<uint32_t> group_mean;             // [group]: the wavelet, of this tree, that is the mean over it
 };
 
