@@ -14,7 +14,7 @@ namespace lightwell::transport {
 
 struct EntryOptions {
   uint32_t clusters = 20000;         // aimed at; the near field of direct light. No smaller than texels
-  uint32_t groups = 1536;            // aimed at; what has been reflected once more is smooth
+  uint32_t groups = 1280;            // aimed at; what has been reflected once more is smooth
   uint32_t points_per_cluster = 1;
   uint32_t points_per_group = 8;     // panes only
   bool denser_where_near = true;     // smaller clusters and groups where surfaces see others close by

@@ -17,8 +17,8 @@ struct LocalBasesOptions {
   uint32_t least_texels = 8;       // blocks of fewer than twice as many are not
   uint32_t most_rank = 8;          // 1 … 64
   float rank_error = 0.055f;        // a block's rank is the least that leaves this relative residual under the training lights, noise apart
-  float wavelet_step = 0.013f;     // of a coefficient: what it changes of the block's light, relative to that light, under usual lights; finer for the first map
-  uint32_t rays = 2304;            // gathered per texel
+  float wavelet_step = 0.0125f;    // of a coefficient: what it changes of the block's light, relative to that light, under usual lights; finer for the first map
+  uint32_t rays = 2560;            // gathered per texel
 };
 
 /// The lights that bases are fitted to, with all their bounces; computed once, read by every block. Each light is of one colour channel, a third of them of
