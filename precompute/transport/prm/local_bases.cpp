@@ -29,8 +29,8 @@ constexpr float kUnseenFloor = 0.3f, kUnseenWeight = 0.25f;
 constexpr float kEvenWeight = 0.5f;
 // A wavelet that no training light excites is taken to be as large as this share of the light around it.
 constexpr float kUnseenWavelet = 0.1f;
-// Coefficients of differences round up from this share of a step on: what just reaches half of one costs more bytes than it is worth.
-constexpr float kRounding = 0.6f;
+// Coefficients of differences round away from half a step toward zero: what just reaches it costs more bytes than it is worth.
+constexpr float kRounding = 0.4f;
 // The first map has nearly all of the block's light, and all clusters add to it: what rounding drops of it adds up, and shows as steps between blocks.
 constexpr float kFirstMapStep = 0.4f;
 // A coefficient is linked as often as it needs bytes; this bounds what a degenerate block can ask for.
@@ -94,36 +94,17 @@ MatrixXf energyKeepingCoordinates(const MatrixXf& basis, const VectorXf& texel_w
 /// Steps may be a few hundredths finer or coarser: few different ones take a quarter of the bytes.
 float nearestEighthOctave(float v) { return std::exp2(std::round(8 * std::log2(v)) / 8); }
 
-/// `value`, one wavelet's response, becomes one in steps, and `steps` the whole ones: rounded up from `rounding` on, away from zero.
-void toSteps(std::span<const float> steps_per_unit, float unit, float rounding, float* value, int32_t* steps) {
-#pragma omp simd
-  for (size_t i = 0; i < steps_per_unit.size(); ++i) {
-    const float v = std::min(std::max(value[i] * (unit * steps_per_unit[i]), -kMostSteps), kMostSteps);
-    const int32_t whole = int32_t(std::abs(v) + (1.0f - rounding));
-    value[i] = v;
-    steps[i] = v < 0 ? -whole : whole;
-  }
-}
-
 /// What a wavelet costs in bits: about those that its link and its coefficients take, and what is worth that of the error that rounding leaves. Errors of differences
 /// add up like noise. Means are never negative and lost in one sense: what is dropped of them is dear, or thousands of small ones would go together.
 float costOf(const float* value, const int32_t* steps, uint32_t width, bool is_mean) {
   constexpr float kLink = 8, kPerSquaredStep = 8, kPerLostStep = 40;
-  int32_t any = 0;
-  float bits = 0, lost = 0, squares = 0;
-#pragma omp simd reduction(| : any) reduction(+ : lost, squares)
+  float bits = 0, lost = 0;
   for (uint32_t i = 0; i < width; ++i) {
+    if (steps[i]) bits += float(1 + 2 * std::bit_width(uint32_t(std::abs(steps[i]))));
     const float rest = value[i] - float(steps[i]);
-    any |= steps[i];
-    lost += steps[i] ? 0.0f : std::abs(rest);
-    squares += is_mean && !steps[i] ? 0.0f : rest * rest;
+    lost += is_mean && !steps[i] ? kPerLostStep * std::abs(rest) : kPerSquaredStep * rest * rest;
   }
-  if (any) {
-    bits = kLink;
-    for (uint32_t i = 0; i < width; ++i)
-      if (steps[i]) bits += float(1 + 2 * std::bit_width(uint32_t(std::abs(steps[i]))));
-  }
-  return bits + kPerSquaredStep * squares + (is_mean ? kPerLostStep * lost : 0.0f);
+  return (bits > 0 ? bits + kLink : 0) + lost;
 }
 
 /// Adds the block's amounts as rows over wavelets. `from_leaf`, per channel [rank][leaf of the tree]: what comes straight from there or is reflected once on its way; `from_group`,
@@ -155,9 +136,14 @@ void linkWavelets(const ResponseTree& tree, const TrainingLights& training, cons
   std::vector<float> cost(waveletCount(count));
   for (uint32_t w = 0; w < cost.size(); ++w) {
     const bool is_mean = w < differenceIndex(count, 0);
-    float* value = &response[size_t(w) * width];
-    toSteps(steps_per_unit, waveletUnit(training.wavelet_unit[tree.wavelet[w]]), is_mean ? 0.5f : kRounding, value, &steps[size_t(w) * width]);
-    cost[w] = costOf(value, &steps[size_t(w) * width], width, is_mean);
+    const float unit = waveletUnit(training.wavelet_unit[tree.wavelet[w]]);
+    for (uint32_t i = 0; i < width; ++i) {
+      float& value = response[size_t(w) * width + i];
+      value = std::clamp(value * (unit * steps_per_unit[i]), -kMostSteps, kMostSteps);
+      const int32_t whole = int32_t(std::abs(value) + (is_mean ? 0.5f : kRounding));
+      steps[size_t(w) * width + i] = value < 0 ? -whole : whole;
+    }
+    cost[w] = costOf(&response[size_t(w) * width], &steps[size_t(w) * width], width, is_mean);
   }
   // Of each child, the cost of all differences below, and that of its best basis. A mean may not stand for a subtree of which some part gives the block nothing at
   // all: that part lies beyond a wall, and however strong its light is, nothing of it may pass.
